@@ -37,8 +37,11 @@ pub struct Cause {
     /// By how much the calibration changes: name of the component or location error, largest amount and
     /// unit.
     pub changes: Vec<Change>,
-    /// Its size as a function of the position, where that has a free form; else empty.
+    /// Lost motion that changes along a linear axis, at the positions of a line that were reached from both sides; else empty.
     pub curve: Vec<CurvePoint>,
+    /// The mean of the curve: `lost_motion_mean` is the value in the middle of the travel, where nobody may
+    /// have measured.
+    pub mean_reversal: Option<EstimatedParameter>,
     /// For a cause of several data: probability that chance alone lets its sizes in each scatter as much about the common one.
     pub sizes_p_value: Option<f64>,
     /// For a cause of an error curve: its share of the curve's squares.
@@ -121,10 +124,20 @@ impl Cause {
                 .flat_map(|p| p.value_um.iter().zip(&p.u_um))
                 .any(clear)
         };
-        match beyond_doubt(1.0) && beyond_doubt(-1.0) {
-            true => LOST_MOTION_OF_BOTH_SIGNS,
-            false => self.effect.explanation(),
+        match &self.mean_reversal {
+            _ if beyond_doubt(1.0) && beyond_doubt(-1.0) => LOST_MOTION_OF_BOTH_SIGNS,
+            Some(mean) => self.effect.explanation_at(mean.value),
+            None => self.effect.explanation(),
         }
+    }
+
+    /// Its parameters as they are told: of lost motion that changes along an axis its mean where it was measured.
+    pub fn told_parameters(&self) -> Vec<EstimatedParameter> {
+        let mut told = self.parameters.clone();
+        if let (Some(first), Some(mean)) = (told.first_mut(), &self.mean_reversal) {
+            first.clone_from(mean);
+        }
+        told
     }
 
     /// The logged temperature that it goes with; none if it goes with time or position.

@@ -33,10 +33,15 @@ impl ResolvedEffect {
     /// What to tell a calibration engineer about an effect of these values: lost motion below zero is
     /// over-compensation, and no wear.
     pub fn explanation(&self) -> Explanation {
+        self.explanation_at(self.parameters.first().copied().unwrap_or_default())
+    }
+
+    /// The same if its first parameter has this value.
+    pub fn explanation_at(&self, value: f64) -> Explanation {
         let is_lost_motion = ["backlash", "position_dependent_backlash"].contains(&self.effect.id);
-        match self.parameters.first() {
-            Some(value) if is_lost_motion && *value < 0.0 => OVER_COMPENSATED,
-            _ => self.effect.explanation,
+        match is_lost_motion && value < 0.0 {
+            true => OVER_COMPENSATED,
+            false => self.effect.explanation,
         }
     }
 

@@ -23,7 +23,8 @@ pub fn field_span(json: &str, path: &str) -> Option<Range<usize>> {
         Segment::Key(key) => json[..value.start].rfind(&format!("\"{key}\"")),
         Segment::Index(_) => None,
     };
-    rest.is_none().then(|| key.unwrap_or(value.start)..value.end)
+    rest.is_none()
+        .then(|| key.unwrap_or(value.start)..value.end)
 }
 
 /// The bytes of the value as far as the path leads, and the first part of the path that is not there.

@@ -33,7 +33,7 @@ pub(crate) fn of_misfit(
     let mut lines = vec![format!("cause{rank}: {name}{or_another}")];
     lines.extend(labelled("seen in", &cause.data.join(", ")));
     lines.extend(labelled("what", explanation.cause));
-    let mut size = in_words::parameters(&cause.parameters);
+    let mut size = in_words::parameters(&cause.told_parameters());
     if let Some(share) = cause.share {
         size += &format!("; {} of the misfit, in squares", in_words::percent(share));
     }

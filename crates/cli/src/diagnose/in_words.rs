@@ -109,9 +109,9 @@ fn number(parameter: &EstimatedParameter) -> String {
         let decimals = decimals(expanded);
         return format!("{:+.decimals$} ± {expanded:.decimals$}", parameter.value);
     }
-    match parameter.value == 0.0 {
-        true => "–".to_owned(),
-        false => format!("{:+.1} (seen in part only)", parameter.value),
+    match format!("{:+.1}", parameter.value).as_str() {
+        "+0.0" | "-0.0" => "–".to_owned(),
+        value => format!("{value} (seen in part only)"),
     }
 }
 

@@ -67,6 +67,7 @@ impl Cause {
             rivals: Vec::new(),
             changes: Vec::new(),
             curve: Vec::new(),
+            mean_reversal: None,
             sizes_p_value: None,
             share_of_curve: None,
             fitted: None,

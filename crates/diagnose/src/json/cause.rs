@@ -27,8 +27,11 @@ pub(super) struct CauseFile<'a> {
     share: Option<f64>,
     heldout_gain: Option<f64>,
     parameters: Vec<GivenParameter>,
-    /// Its size as a function of the position, where that has a free form.
+    /// Lost motion that changes along an axis, at the positions of a line that were reached from both sides.
     curve: Option<Vec<CurvePointFile>>,
+    /// The mean of the curve.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mean_reversal: Option<GivenParameter>,
     /// Of the linear parameters, rows in their order.
     covariance: Vec<Vec<f64>>,
     cannot_tell_apart_from: Vec<RivalFile>,
@@ -147,6 +150,7 @@ impl<'a> CauseFile<'a> {
             heldout_gain: cause.heldout_gain.map(|gain| round(gain, 4)),
             parameters: cause.parameters.iter().map(estimated).collect(),
             curve: (!cause.curve.is_empty()).then(|| cause.curve.iter().map(point).collect()),
+            mean_reversal: cause.mean_reversal.as_ref().map(estimated),
             covariance: rows(&cause.covariance, cause.effect.parameters.len()),
             cannot_tell_apart_from: rivals.collect(),
             separate_by: explanation.separate_by,

@@ -12,10 +12,10 @@ use trueaxis_campaign::VerificationKind;
 use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::dense::Svd;
 
-use crate::CurvePoint;
 use crate::selection::Fit;
 use crate::verification::base::{count, places};
 use crate::verification::comparison::Comparison;
+use crate::{CurvePoint, EstimatedParameter};
 
 /// The effect whose size is such a function.
 pub(crate) const EFFECT: &str = "position_dependent_backlash";
@@ -76,28 +76,44 @@ pub(crate) fn waves(
         .collect()
 }
 
-/// The function at the positions reached from both sides: `columns` are those of the cause, `fit` is theirs, for observations of
-/// this variance.
+/// The function at the positions reached from both sides, and its mean over these, the mean reversal value (ISO 230-2): `columns`
+/// are those of the cause, `fit` is theirs, for observations of this variance. None where it is not that of a linear axis.
 pub(crate) fn curve(
     comparison: &Comparison<'_>,
     columns: &[Vec<f64>],
     fit: &Fit,
     variance: f64,
-) -> Vec<CurvePoint> {
+) -> Option<(Vec<CurvePoint>, EstimatedParameter)> {
     let (axis, n) = (comparison.axis(), columns.len());
+    let arrivals = reached_from_both_sides(comparison);
+    if arrivals.is_empty() || comparison.machine.axes()[axis].kind() != AxisKind::Linear {
+        return None;
+    }
     let estimates = DVector::from_column_slice(&fit.estimates);
     let covariance = DMatrix::from_row_slice(n, n, &fit.covariance) * variance;
-    let point = |arrival: usize| {
-        let unit = columns[0][arrival];
-        let there = DVector::from_fn(n, |k, _| columns[k][arrival] / unit);
+    let told = |there: &DVector<f64>| {
+        let variance = (&covariance * there).dot(there);
+        (there.dot(&estimates), variance.max(0.0).sqrt())
+    };
+    let mut sum = DVector::zeros(n);
+    let point = |arrival: &usize| {
+        let unit = columns[0][*arrival];
+        let there = DVector::from_fn(n, |k, _| columns[k][*arrival] / unit);
+        sum += &there;
+        let (value, u) = told(&there);
         CurvePoint {
-            at: comparison.arrivals[arrival].positions[axis],
-            value_um: vec![there.dot(&estimates)],
-            u_um: vec![(&covariance * &there).dot(&there).max(0.0).sqrt()],
+            at: comparison.arrivals[*arrival].positions[axis],
+            value_um: vec![value],
+            u_um: vec![u],
         }
     };
-    reached_from_both_sides(comparison)
-        .into_iter()
-        .map(point)
-        .collect()
+    let curve: Vec<CurvePoint> = arrivals.iter().map(point).collect();
+    let (value, u) = told(&(sum / curve.len() as f64));
+    let mean = EstimatedParameter {
+        name: "mean_reversal_value".to_owned(),
+        value,
+        u,
+        unit: "um",
+    };
+    Some((curve, mean))
 }

@@ -7,7 +7,7 @@ use crate::fitted::{Against, Fitted, Row};
 use crate::selection::{Fit, Projection, combined, cosine, is_rival};
 use crate::verification::arrivals::Arrival;
 use crate::verification::held_out::gain_of;
-use crate::verification::lost_motion::curve;
+use crate::verification::lost_motion::{EFFECT as CHANGING_LOST_MOTION, curve};
 use crate::verification::problem::Problem;
 use crate::verification::search::{contains, ln_more};
 use crate::verification::wandering::{FittedProcess, rival_disturbances};
@@ -65,10 +65,11 @@ pub(crate) fn causes(
         base.project(&mut fitted);
         let misfit: Vec<f64> = rest.iter().zip(&fitted).map(|(a, b)| a + b).collect();
         let gain = gain_of(problem, chosen, k);
-        let curve = match candidate.is_free {
-            true => curve(problem.comparison, &columns, &sized.fit, variance),
-            false => Vec::new(),
-        };
+        let changes_along = candidate.hypothesis.effect.id == CHANGING_LOST_MOTION;
+        let along_it = changes_along
+            .then(|| curve(problem.comparison, &columns, &sized.fit, variance))
+            .flatten();
+        let (curve, mean_reversal) = along_it.unzip();
         causes.push(Cause {
             explained_rms_um: rms_of_readings_um(problem, &fitted),
             heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),
@@ -77,7 +78,8 @@ pub(crate) fn causes(
                 rivals(&problem.listed, &chosen[k..=k], &judged),
             ]
             .concat(),
-            curve,
+            curve: curve.unwrap_or_default(),
+            mean_reversal,
             fitted: shown(problem, scene, &misfit, &fitted),
             ..said
         });

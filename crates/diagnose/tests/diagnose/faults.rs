@@ -5,9 +5,10 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use trueaxis_campaign::{Direction, Verification, VerificationKind, VerificationReading};
-use trueaxis_diagnose::{Cause, Diagnosis, Verdict};
+use trueaxis_diagnose::{Cause, Diagnosis, Settings, Verdict, diagnose};
+use trueaxis_kinematics::Axis;
 
-use crate::{found, generator};
+use crate::{campaign, found, generator};
 
 const STOPS_MM: [f64; 3] = [0.0, 200.0, 400.0];
 
@@ -367,6 +368,26 @@ fn lost_motion_is_a_free_function_of_the_position() {
     }
     // 86 of 90 are expected; fewer than 74 by chance less than once in a thousand, even if the nine of a line were two.
     assert!(inside >= 74, "{inside} of {all}");
+}
+
+/// In the middle of a long travel, where nobody measured, the straight line through falling play is far below zero.
+#[test]
+fn lost_motion_is_told_where_it_was_measured() {
+    let mut campaign = campaign(vec![sides_apart(4, |x_mm| 10.0 - 0.02 * x_mm)]);
+    campaign.machine = campaign.machine.with_axes(|_, axis| {
+        let direction = axis.direction().into_inner();
+        Axis::linear(axis.name(), direction, [0.0, 2000.0]).unwrap()
+    });
+    let diagnosis = diagnose(&campaign, &Settings::default()).unwrap();
+    let cause = &diagnosis.causes[0];
+    assert!(cause.parameters[0].value < -5.0, "{:?}", cause.parameters);
+    let mean = cause.mean_reversal.as_ref().unwrap();
+    assert!(
+        mean.u < 0.2 && (mean.value - 6.0).abs() < 4.0 * mean.u,
+        "{mean:?}"
+    );
+    assert_eq!(cause.told_parameters()[0], *mean);
+    assert!(cause.explanation().cause.contains("worn"));
 }
 
 /// Play has one sign; what the sides differ by otherwise is not called wear.
