@@ -4,12 +4,13 @@
 //! | --- | --- | --- |
 //! | positioning of a linear axis | `scale_error`, `cyclic_error` | periods |
 //! | any other of a linear axis, δ along a rotary one | `cyclic_error` | periods |
-//! | ε about a rotary axis | `encoder_eccentricity`, `encoder_ellipticity`, `worm_gear` | 3 waves and up |
-//! | δ across, ε across a rotary axis | `axis_runout`, `axis_wobble` | 1 wave and up |
+//! | ε about a rotary axis | `encoder_eccentricity`, `encoder_ellipticity`, `worm_gear` | 3 waves a turn and up |
+//! | δ across, ε across a rotary axis | `axis_runout`, `axis_wobble` | 1 wave a turn and up |
 //!
 //! `guideway_bow` joins two sets ([`crate::components::bow`]). Periods run from twice the step, the
 //! shortest that equal steps tell from a longer one, to half the travel: what does not repeat at least
-//! twice is not called periodic.
+//! twice is not called periodic. Of the waves of a turn that nobody has to look for, one whole wave suffices; a part of
+//! one is like any smooth curve, with an amplitude that may be any.
 
 use std::f64::consts::TAU;
 
@@ -55,13 +56,13 @@ pub(crate) fn candidates(set: &CurveSet, scene: &Scene) -> Vec<Candidate> {
         }
         AxisKind::Linear => vec![cyclic()],
         AxisKind::Rotary if along && first.is_angular() => vec![
-            on_axis("encoder_eccentricity", vec![0.0]),
-            on_axis("encoder_ellipticity", vec![0.0]),
-            on_axis("worm_gear", waves(set, 3)),
+            on_axis("encoder_eccentricity", if_whole(set, 1.0)),
+            on_axis("encoder_ellipticity", if_whole(set, 2.0)),
+            on_axis("worm_gear", waves(set, 3, FEWEST_PERIODS)),
         ],
         AxisKind::Rotary if along => vec![cyclic()],
-        AxisKind::Rotary if first.is_angular() => vec![on_axis("axis_wobble", waves(set, 1))],
-        AxisKind::Rotary => vec![on_axis("axis_runout", waves(set, 1))],
+        AxisKind::Rotary if first.is_angular() => vec![on_axis("axis_wobble", waves(set, 1, 1.0))],
+        AxisKind::Rotary => vec![on_axis("axis_runout", waves(set, 1, 1.0))],
     };
     let known = wanted.into_iter().filter_map(|(id, subject, shapes)| {
         Some(Candidate::new(effect(id)?, subject, shapes, scene))
@@ -123,11 +124,23 @@ pub(crate) fn spacing(set: &CurveSet, period: f64) -> f64 {
     period * period / (FREQUENCIES_PER_TRAVEL * set.travel())
 }
 
-/// Whole numbers from `fewest` while a wave has two steps.
-fn waves(set: &CurveSet, fewest: u32) -> Vec<f64> {
+/// The one shape of an effect with so many waves a turn, if the positions show a whole one.
+fn if_whole(set: &CurveSet, waves: f64) -> Vec<f64> {
+    let is_whole = waves * range(set) >= 1.0 - ROUNDING;
+    is_whole.then_some(0.0).into_iter().collect()
+}
+
+/// Waves a turn, whole numbers from `fewest`, of which the positions show so many, while a wave has two steps.
+fn waves(set: &CurveSet, fewest: u32, shown: f64) -> Vec<f64> {
     let most = TAU / (STEPS_PER_PERIOD * set.step()) * (1.0 + f64::EPSILON.sqrt());
     (fewest..)
         .map(f64::from)
+        .skip_while(|&waves| waves * range(set) < shown - ROUNDING)
         .take_while(|&waves| waves <= most)
         .collect()
+}
+
+/// The part of a turn that the positions go through: the last of equal steps that close the turn is the first.
+fn range(set: &CurveSet) -> f64 {
+    (set.travel() + set.step()) / TAU
 }

@@ -1,0 +1,69 @@
+//! Rotary axes that were read over a part of a turn: any smooth curve is a part of a wave.
+
+use nalgebra::{Point3, Vector3};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use trueaxis_campaign::{Direction, Verification, VerificationKind, VerificationReading};
+use trueaxis_diagnose::{Settings, diagnose};
+use trueaxis_kinematics::{Axis, Machine};
+
+use crate::{campaign, generator};
+
+/// At this distance from the axis a second of arc is a micrometre, mm.
+const LEVER_MM: f64 = 206.264_806;
+
+/// Names in the mean curve of five cycles at `stops` positions from 0 to `range_deg`, of a curve over the angle in degrees, ″, in
+/// noise of 0.3″.
+fn names(range_deg: f64, stops: u32, curve: impl Fn(f64) -> f64) -> Vec<&'static str> {
+    let mut random: ChaCha8Rng = generator(1, 29);
+    let mut readings = Vec::new();
+    for cycle in 1..=5 {
+        for stop in 0..stops {
+            let angle_deg = range_deg * f64::from(stop) / f64::from(stops - 1);
+            let noise: f64 = StandardNormal.sample(&mut random);
+            readings.push(VerificationReading {
+                time_s: None,
+                cycle,
+                direction: Direction::Forward,
+                positions: vec![angle_deg.to_radians()],
+                value_um: curve(angle_deg) + 0.3 * noise,
+                line: readings.len() + 2,
+            });
+        }
+    }
+    let kind = VerificationKind::Positioning {
+        axis: 0,
+        target_mm: Point3::new(LEVER_MM, 0.0, 0.0),
+    };
+    let mut campaign = campaign(vec![Verification {
+        name: "table".into(),
+        kind,
+        readings,
+        u_um: None,
+        u_ppm: None,
+    }]);
+    let travel = [-0.1, range_deg.to_radians() + 0.1];
+    let axis = Axis::rotary("C", Vector3::z(), travel, Point3::origin()).unwrap();
+    campaign.machine = Machine::new(vec![axis], vec![0], vec![]).unwrap();
+    let diagnosis = diagnose(&campaign, &Settings::default()).unwrap();
+    let causes = diagnosis.causes.iter();
+    causes.map(|cause| cause.effect.effect.id).collect()
+}
+
+/// A bow of 10″ over 3° was "encoder ellipticity of 7300″, U 170″".
+#[test]
+fn a_bow_over_a_part_of_a_turn_is_no_encoder_error() {
+    for range_deg in [3.0, 30.0, 90.0, 140.0] {
+        let bow = |angle_deg: f64| 10.0 * (2.0 * angle_deg / range_deg - 1.0).powi(2);
+        assert_eq!(names(range_deg, 11, bow), [""; 0], "{range_deg}°");
+    }
+}
+
+/// Where they go round once, waves have their names.
+#[test]
+fn a_whole_wave_is_an_encoder_error() {
+    let sine = |waves: f64| move |angle_deg: f64| 10.0 * (waves * angle_deg).to_radians().sin();
+    assert_eq!(names(350.0, 36, sine(1.0)), ["encoder_eccentricity"]);
+    assert_eq!(names(200.0, 41, sine(2.0)), ["encoder_ellipticity"]);
+    assert_eq!(names(30.0, 61, sine(36.0)), ["worm_gear"]);
+}
