@@ -291,7 +291,7 @@ fn parameters(cause: &Cause) -> String {
     let is_shown =
         |p: &&Parameter| !is_wave || !(p.name.starts_with("sine") || p.name.starts_with("cosine"));
     // The mean of a lost motion where it was measured, not in the middle of the travel.
-    let told = |parameter| match &cause.mean_reversal {
+    let told = |parameter: &Parameter| match &cause.mean_reversal {
         Some(mean) if parameter.name == "lost_motion_mean" => mean,
         _ => parameter,
     };
