@@ -10,7 +10,7 @@ use crate::components::curve_set::CurveSet;
 use crate::components::search::Found;
 use crate::engine::with_uncertainties;
 use crate::fitted::{Fitted, Row};
-use crate::selection::Projection;
+use crate::selection::{Fit, Projection};
 
 /// Lever at which angles count in an rms of displacements, mm: the size of a workpiece.
 const LEVER_MM: f64 = 100.0;
@@ -33,14 +33,12 @@ pub(crate) fn cause(set: &CurveSet, found: &Found, scene: &Scene) -> Cause {
     let covariance: Vec<f64> = (0..n * n)
         .map(|k| estimate.covariance[(k / n, k % n)])
         .collect();
-    let linear = (
-        &estimate.parameters[..],
-        &covariance[..],
-        &vec![true; n][..],
-    );
+    let columns = set.columns(&found.candidate, estimate.shape);
+    let seen = Fit::new(&Projection::dense(set.values.clone(), &set.base), &columns).seen;
+    let linear = (&estimate.parameters[..], &covariance[..], &seen[..]);
     let mut parameters = with_uncertainties(scene, hypothesis, linear, of_shape);
     let unit = parameters.first().map_or("um", |parameter| parameter.unit);
-    let derived = amplitude_and_phase(found, unit);
+    let derived = amplitude_and_phase(found, unit, seen.iter().all(|seen| *seen));
     parameters.splice(n..n, derived);
     let (share, rms_um) = share_and_rms(set, &estimate.curve);
     let effect = hypothesis.resolved(estimate.parameters.clone(), estimate.shape);
@@ -58,22 +56,29 @@ pub(crate) fn cause(set: &CurveSet, found: &Found, scene: &Scene) -> Cause {
 
 /// `s sin + c cos = A sin(… + φ)` has `A = √(s² + c²)` and `φ = atan2(c, s)`. Of two directions the
 /// point runs on an ellipse, the sum of a circle with and one against the sense of the waves; A is the
-/// sum of their radii, half its long axis.
-fn amplitude_and_phase(found: &Found, unit: &'static str) -> Vec<EstimatedParameter> {
+/// sum of their radii, half its long axis. Of waves of two steps the positions show one phase, whatever the true one is, and
+/// of the amplitude what that phase has.
+fn amplitude_and_phase(
+    found: &Found,
+    unit: &'static str,
+    is_seen: bool,
+) -> Vec<EstimatedParameter> {
     let values = &found.estimate.parameters;
     let given = |name: &str, f: &dyn Fn(&[f64]) -> f64, unit| EstimatedParameter {
         name: name.to_owned(),
         value: f(values),
-        u: u_of(found, f),
+        u: match is_seen {
+            true => u_of(found, f),
+            false => f64::INFINITY,
+        },
         unit,
     };
     match values.len() {
         2 => {
+            let amplitude = given("amplitude", &|v| v[0].hypot(v[1]), unit);
             let phase = |v: &[f64]| v[1].atan2(v[0]).to_degrees();
-            vec![
-                given("amplitude", &|v| v[0].hypot(v[1]), unit),
-                given("phase", &phase, "deg"),
-            ]
+            let phase = is_seen.then(|| given("phase", &phase, "deg"));
+            [amplitude].into_iter().chain(phase).collect()
         }
         4 => {
             let long = |v: &[f64]| {

@@ -168,6 +168,35 @@ fn waves_of_two_steps_are_no_larger_than_what_is_read() {
     }
 }
 
+/// In the mean curve, too; its phase was that of the steps, with no uncertainty at all.
+#[test]
+fn waves_of_two_steps_have_no_phase() {
+    let (size_um, phase) = (5.0, 1.0_f64);
+    for (seed, from_home_mm) in [(0, 0.0), (1, 4.0)] {
+        let mut generator = generator(seed, 46);
+        let wave = |x: f64| size_um * (0.5 * TAU * x / STEP_MM + phase).sin();
+        let mut line = line(&mut generator, |_, x| wave(x + from_home_mm));
+        for reading in &mut line.readings {
+            reading.positions[0] += from_home_mm;
+        }
+        let found = diagnose(&campaign(vec![line]), &Settings::default()).unwrap();
+        let [cause] = &found.causes[..] else {
+            panic!("{} causes", found.causes.len());
+        };
+        let names: Vec<&str> = cause.parameters.iter().map(|p| p.name.as_str()).collect();
+        assert_eq!(names, ["sine", "cosine", "amplitude", "period"]);
+        let [sine, cosine, amplitude, _] = &cause.parameters[..] else {
+            unreachable!("four names");
+        };
+        // What alternates at the steps is the wave's part there.
+        let shown_um = wave(from_home_mm).abs();
+        assert!((amplitude.value - shown_um).abs() < 0.2, "{amplitude:?}");
+        assert!(amplitude.u.is_infinite() && sine.u.is_infinite());
+        // At home the steps show all of the cosine, elsewhere a mixture of both.
+        assert_eq!(cosine.u.is_finite(), from_home_mm == 0.0);
+    }
+}
+
 /// With a clock a table may be sorted by position, or not at all.
 #[test]
 fn rows_with_a_clock_may_stand_in_any_order() {
