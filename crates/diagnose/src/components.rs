@@ -30,7 +30,8 @@
 //! A translation carries the noise of the angles times the distance of its reference point from the
 //! targets: with [`trueaxis_calibrate::ReferencePoint::Centroid`] smaller effects are found. The
 //! uncertainty of a slope, a bow or one wave per turn rests on the assumed K: for curves much smoother
-//! than it, as polynomials of low degree, it is too small (bow: by almost half before the Birge ratio).
+//! than it, as polynomials of low degree, it is too small. Bows and scales count what the other guideways of
+//! the machine show of that ([`bow`]).
 
 mod background;
 mod bow;

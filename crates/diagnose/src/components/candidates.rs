@@ -31,6 +31,9 @@ pub(crate) struct Candidate {
     pub(crate) shapes: Vec<f64>,
 }
 
+/// The effect that is a slope.
+pub(crate) const SCALE: &str = "scale_error";
+
 /// Frequencies in one over the travel: at half of this distance from a grid point a sine is 13 % of a
 /// radian off at the ends, and less than 1 % of its squares are lost.
 const FREQUENCIES_PER_TRAVEL: f64 = 4.0;
@@ -52,7 +55,7 @@ pub(crate) fn candidates(set: &CurveSet, scene: &Scene) -> Vec<Candidate> {
     let on_axis = |id, shapes| (id, Subject::axis(set.axis), shapes);
     let wanted = match set.content.kind() {
         AxisKind::Linear if along && !first.is_angular() => {
-            vec![on_axis("scale_error", vec![0.0]), cyclic()]
+            vec![on_axis(SCALE, vec![0.0]), cyclic()]
         }
         AxisKind::Linear => vec![cyclic()],
         AxisKind::Rotary if along && first.is_angular() => vec![

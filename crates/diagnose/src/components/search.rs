@@ -7,7 +7,7 @@ use trueaxis_kinematics::AxisKind;
 use crate::cause::{Cause, Rival};
 use crate::components::background::{Background, Smooth, backgrounds, smooth_rests};
 use crate::components::bow::{BOW, OfCurve, Pair, cause_of_bow, variance_factor};
-use crate::components::candidates::{Candidate, candidates};
+use crate::components::candidates::{Candidate, SCALE, candidates};
 use crate::components::curve_set::CurveSet;
 use crate::components::estimate::{Estimate, estimate};
 use crate::components::family::{Family, LEVEL};
@@ -88,14 +88,6 @@ impl<'a> Search<'a> {
             search.select(judged, family);
             search.confirm(family);
         });
-        let mut causes: Vec<Cause> = self
-            .sets
-            .iter()
-            .flat_map(|search| {
-                let found = search.found.iter();
-                found.map(|found| report::cause(&search.set, found, self.scene))
-            })
-            .collect();
         let pairs = pairs.into_iter().filter_map(|(straightness, angle)| {
             let (a, b) = (&self.sets[straightness], &self.sets[angle]);
             Some((&a.set, Pair::new(a, b, self.scene)?))
@@ -109,6 +101,17 @@ impl<'a> Search<'a> {
             factor(|pair| &pair.straightness),
             factor(|pair| &pair.angle),
         ];
+        let mut causes: Vec<Cause> = Vec::new();
+        for search in &self.sets {
+            for found in &search.found {
+                let mut found = found.clone();
+                // A scale is the slope of a positioning, as a bow is that of an angle.
+                if found.candidate.hypothesis.effect.id == SCALE {
+                    found.estimate.covariance *= factors[1];
+                }
+                causes.push(report::cause(&search.set, &found, self.scene));
+            }
+        }
         for (set, pair) in bent {
             let mut found = pair.found(factors);
             found.p_value = self.family.p_value(BOW, found.score.ln_p);
