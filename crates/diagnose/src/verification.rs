@@ -31,6 +31,7 @@ mod lost_motion;
 mod noise_floor;
 mod not_observable;
 mod omnibus;
+mod one_side;
 mod one_size;
 mod order;
 mod prediction_error;
@@ -68,7 +69,6 @@ use crate::verification::problem::{Given, Problem};
 use crate::verification::resolution::{hidden_um, resolution_um};
 use crate::verification::series::Series;
 use crate::verification::together::together;
-use crate::verification::units::doubt;
 
 /// False alarms of all verifications of a campaign together: once for the causes, once for the omnibus
 /// tests.
@@ -178,9 +178,11 @@ fn judged<'a>(
     outcome: &mut Said,
 ) -> Option<Series<'a>> {
     let calibration = asked.calibration;
-    if let Some(doubt) = doubt(comparison) {
-        outcome.notices.push(format!("{name}: {doubt}"));
-    }
+    let doubts = [units::doubt(comparison), one_side::doubt(comparison)];
+    let doubts = doubts.into_iter().flatten();
+    outcome
+        .notices
+        .extend(doubts.map(|doubt| format!("{name}: {doubt}")));
     let base = base_columns(comparison, calibration.is_some());
     let Some(resolution_um) = resolution_um(comparison) else {
         let why = match comparison.arrivals.len() {

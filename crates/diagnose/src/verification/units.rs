@@ -1,13 +1,39 @@
-//! Readings whose numbers look like those of another unit, or like positions.
+//! Readings whose numbers look like those of another unit, or like positions, and positions that look like inches.
 
 use trueaxis_kinematics::AxisKind;
 
+use crate::selection::{Projection, dot};
 use crate::verification::comparison::Comparison;
 use crate::verification::resolution::resolution_um;
 
 /// Positions in units that readings come in: the reading for each mm, the part of the range that it may be off by, and the name. A
 /// scale may be wrong by a thousandth, but hardly by just that.
-const POSITIONS: [(f64, f64, &str); 3] = [(1.0, 0.005, "mm"), (1e3, 0.05, "µm"), (1e6, 0.05, "nm")];
+const POSITIONS: [(f64, f64, &str); 6] = [
+    (1.0, 0.005, "mm"),
+    (1e3, 0.05, "µm"),
+    (1e6, 0.05, "nm"),
+    (1.0 / INCH_MM, 0.005, "inches"),
+    (1e3 / INCH_MM, 0.005, "thousandths of an inch"),
+    (1e6 / INCH_MM, 0.05, "microinches"),
+];
+
+const INCH_MM: f64 = 25.4;
+
+/// How much larger than predicted readings in parts of an inch look, the part that this may be off by, and the part of the squares
+/// that the prediction then explains.
+const PREDICTED: [(f64, &str); 2] = [
+    (1.0 / INCH_MM, "thousandths of an inch"),
+    (1e3 / INCH_MM, "microinches"),
+];
+const LIKE_PREDICTED: f64 = 0.05;
+const EXPLAINED: f64 = 0.9;
+
+/// Positions that are planned in mm are multiples of this one, mm; as inches they are rounded to a few digits.
+const PLANNED_MM: f64 = 0.5;
+const ROUNDED_MM: f64 = 0.0005;
+
+/// Of positions that are given as they were planned nothing is left below this one, mm.
+const FINEST_MM: f64 = 0.01;
 
 /// Positions that make a line.
 const LEAST_POSITIONS: usize = 3;
@@ -30,6 +56,18 @@ pub(crate) fn doubt(comparison: &Comparison<'_>) -> Option<String> {
             "the readings look like positions in {unit}; deviation_um is measured less commanded position, in µm"
         ));
     }
+    if are_inches(comparison) {
+        return Some(
+            "the positions look like inches; they are taken as millimetres (if the readings come from the same file, they may not \
+             be in µm, either)"
+                .to_owned(),
+        );
+    }
+    if let Some((of_predicted, unit)) = predicted_unit(comparison) {
+        return Some(format!(
+            "the readings are {of_predicted:.3} times as large as predicted and look like {unit}; they are taken as micrometres"
+        ));
+    }
     let largest_um = values().fold(0.0_f64, |most, x| most.max(x.abs()));
     let range_mm = linear_range_mm(comparison);
     let is_length = range_mm.is_some() || comparison.line().is_none();
@@ -45,7 +83,7 @@ pub(crate) fn doubt(comparison: &Comparison<'_>) -> Option<String> {
     let is_small = span_um < BENEATH_MACHINES_UM && resolution_um(comparison)? < LEAST_DIGIT_UM;
     is_small.then(|| {
         format!(
-            "readings within {span_um:.2} µm over {range_mm:.0} mm look like millimetres; they are taken as micrometres"
+            "readings within {span_um:.2} µm over {range_mm:.0} mm look like millimetres or inches; they are taken as micrometres"
         )
     })
 }
@@ -55,6 +93,44 @@ fn linear_range_mm(comparison: &Comparison<'_>) -> Option<f64> {
     let axis = comparison.line()?;
     let is_linear = comparison.machine.axes()[axis].kind() == AxisKind::Linear;
     is_linear.then_some(comparison.range[1] - comparison.range[0])
+}
+
+/// What readings are of the prediction, and the unit in which they agree with it.
+fn predicted_unit(comparison: &Comparison<'_>) -> Option<(f64, &'static str)> {
+    let read: Vec<f64> = comparison.arrivals.iter().map(|a| a.value_um).collect();
+    let pairs = read.iter().zip(&comparison.difference_um);
+    let predicted: Vec<f64> = pairs.map(|(read, more)| read - more).collect();
+    let without_mean = |values: Vec<f64>| {
+        let ones = vec![1.0; values.len()];
+        Projection::dense(values, &[ones]).residuals
+    };
+    let [read, predicted] = [read, predicted].map(without_mean);
+    let [of_read, of_predicted] = [&read, &predicted].map(|values| dot(values, values));
+    let together = dot(&read, &predicted);
+    if together * together < EXPLAINED * of_read * of_predicted {
+        return None;
+    }
+    let factor = together / of_predicted;
+    let is_it = |(of_unit, _): &&(f64, &str)| (factor / of_unit - 1.0).abs() < LIKE_PREDICTED;
+    PREDICTED
+        .iter()
+        .find(is_it)
+        .map(|(_, unit)| (factor, *unit))
+}
+
+/// Whether positions are whole or half millimetres once they are multiplied by 25.4, and are none before.
+fn are_inches(comparison: &Comparison<'_>) -> bool {
+    if linear_range_mm(comparison).is_none() {
+        return false;
+    }
+    let mut positions = comparison.positions(comparison.axis());
+    positions.retain(|at| *at != 0.0);
+    let off = |at: f64, of: f64| (at - of * (at / of).round()).abs();
+    positions.len() >= LEAST_POSITIONS
+        && positions
+            .iter()
+            .all(|at| off(INCH_MM * at, PLANNED_MM) < ROUNDED_MM)
+        && positions.iter().any(|at| off(*at, FINEST_MM) > ROUNDED_MM)
 }
 
 /// The unit in which the readings are positions, from any zero.

@@ -2,14 +2,17 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::Vector6;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use trueaxis_campaign::{Direction, Verification, VerificationReading};
-use trueaxis_diagnose::{Diagnosis, Verdict};
+use trueaxis_diagnose::{Diagnosis, Settings, Verdict, diagnose_against};
+use trueaxis_kinematics::{LocationError, MotionError};
+use trueaxis_predict::{CalibratedMachine, FactoredCovariance, MeasuredAxis, Node};
 
 use crate::counts::summary;
 use crate::iso_run::table_of_stops;
-use crate::{found, found_in, generator};
+use crate::{campaign, found, found_in, generator, three_axes};
 
 /// Five cycles over five stops with a lost motion of 2 µm, noise of 0.5 µm.
 fn lost_motion(seed: u64) -> Verification {
@@ -135,6 +138,114 @@ fn readings_in_another_unit_are_said() {
     // As good as that, to its last digit of 0.001 µm.
     let fine = with(&|r| um(r).round() / 1e3);
     assert!(fine.is_empty(), "{fine:?}");
+}
+
+/// Positions in inches, and readings in parts of one, whether of the positions or of the deviations that a calibration predicts.
+#[test]
+fn inches_are_said() {
+    let says = |notices: &[String], what: &str| notices.iter().any(|n| n.contains(what));
+    let inches = |mm: f64| (mm / 25.4 * 1e6).round() / 1e6;
+    let mut converted = lost_motion(7);
+    for reading in &mut converted.readings {
+        reading.positions[0] = inches(reading.positions[0]);
+    }
+    let said = found(converted).notices;
+    assert!(says(&said, "positions look like inches"), "{said:?}");
+    // A machine whose steps are inches, in millimetres.
+    let mut of_inches = lost_motion(7);
+    for reading in &mut of_inches.readings {
+        reading.positions[0] *= 25.4 / 50.0;
+    }
+    let said = found(of_inches).notices;
+    assert!(said.is_empty(), "{said:?}");
+    for (parts, unit) in [(1.0, "inches"), (1e3, "thousandths of an inch")] {
+        let mut table = lost_motion(7);
+        for reading in &mut table.readings {
+            let position = parts * inches(reading.positions[0]);
+            reading.value_um = position + parts * inches(1e-3 * reading.value_um);
+        }
+        let said = found(table).notices;
+        assert!(says(&said, &format!("positions in {unit}")), "{said:?}");
+    }
+    let slope = |um_per_mm: f64| {
+        let mut random: ChaCha8Rng = generator(7, 57);
+        let line = table_of_stops(5, 9, |_, _, stop| {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            um_per_mm * (50.0 * stop as f64 + 10.0 * noise)
+        });
+        diagnose_against(&campaign(vec![line]), &with_scale(), &Settings::default())
+            .unwrap()
+            .notices
+    };
+    let per_mm = 1e-3 * SCALE_PPM;
+    for (factor, unit) in [(1e3 / 25.4, "microinches"), (1.0 / 25.4, "thousandths")] {
+        let said = slope(factor * per_mm);
+        assert!(says(&said, unit), "{said:?}");
+    }
+    for factor in [0.1, 1.0, -1.0, 2.0, 30.0] {
+        let said = slope(factor * per_mm);
+        assert!(!says(&said, "look like"), "{factor}: {said:?}");
+    }
+}
+
+const SCALE_PPM: f64 = 50.0;
+
+/// A machine whose X has a scale error, known exactly.
+fn with_scale() -> CalibratedMachine {
+    let travel_mm = 400.0;
+    let node = |position| Node {
+        position,
+        direction: None,
+    };
+    let longer_mm = SCALE_PPM * 1e-6 * travel_mm;
+    let error = |mm: f64| MotionError::from_vector(&Vector6::x().scale(mm));
+    let axis = MeasuredAxis {
+        axis: 0,
+        nodes: [0.0, travel_mm].map(node).to_vec(),
+        errors: vec![error(0.0), error(longer_mm)],
+        location: LocationError::default(),
+        reported: Vec::new(),
+    };
+    CalibratedMachine::new(three_axes(), vec![axis], FactoredCovariance::zero(2, 12))
+}
+
+/// There and back with one name for both sides: said where lost motion stands out, and not for what drifts, swings, or walks at
+/// random in a table that is truly read from one side.
+#[test]
+fn a_way_back_that_is_named_as_the_way_there_is_said() {
+    let said = |lost_um: f64, seed: u64, course: &dyn Fn(f64) -> f64, walks: bool| {
+        let mut random: ChaCha8Rng = generator(seed, 58);
+        let mut walk_um = 0.0;
+        let mut line = table_of_stops(5, 9, |row, forward, stop| {
+            let [noise, step]: [f64; 2] =
+                std::array::from_fn(|_| StandardNormal.sample(&mut random));
+            walk_um += if walks { step } else { 0.0 };
+            let lost = if forward { -0.5 } else { 0.5 } * lost_um;
+            3.0 * (stop as f64).sin() + lost + course(row as f64 / 90.0) + walk_um + 0.5 * noise
+        });
+        for reading in &mut line.readings {
+            reading.direction = Direction::Forward;
+        }
+        let notices = found(line).notices;
+        notices
+            .iter()
+            .any(|n| n.contains("direction is 1 in all rows"))
+    };
+    for seed in 0..4 {
+        assert!(said(4.0, seed, &|_| 0.0, false));
+        assert!(said(-4.0, seed, &|t| 20.0 * t, false));
+        for walks in [false, true] {
+            assert!(!said(0.0, seed, &|_| 0.0, walks));
+            assert!(!said(0.0, seed, &|t| 20.0 * t, walks));
+            assert!(!said(
+                0.0,
+                seed,
+                &|t| 20.0 * (1.0 - (-4.0 * t).exp()),
+                walks
+            ));
+            assert!(!said(0.0, seed, &|t| 5.0 * (TAU * 3.3 * t).sin(), walks));
+        }
+    }
 }
 
 /// Positions that an encoder showed are all different: repeating the cycle would not help.

@@ -1,0 +1,72 @@
+//! Tables that name one side of approach although their axis went there and back.
+//!
+//! On the way back each position is read again, the one where the axis turned at once, the first one last. What drifts in between
+//! grows with that time (straight or bent: time and its square are in the model); lost motion is there from the first. Where it
+//! stands out of both, the way back came from the other side.
+
+use std::collections::BTreeMap;
+
+use crate::selection::{Fit, Projection, ln_f_test};
+use crate::verification::arrivals::is_same;
+use crate::verification::comparison::Comparison;
+
+/// Positions that were read twice in a cycle, at least, and as part of all.
+const LEAST_PAIRS: usize = 12;
+const MOST_OF_ALL: f64 = 2.0 / 3.0;
+
+/// On the way back the shortest time between the two is no longer than this part of the longest.
+const THERE_AND_BACK: f64 = 1.0 / 3.0;
+
+/// Probability of a doubt where there is no lost motion.
+const LEVEL: f64 = 1e-4;
+
+/// Size of the difference in standard deviations of a single one: any smaller one may be noise that is not white.
+const PLAINLY: f64 = 3.0;
+
+/// What is to be said of a line whose rows name one side.
+pub(crate) fn doubt(comparison: &Comparison<'_>) -> Option<String> {
+    comparison.line()?;
+    let arrivals = &comparison.arrivals;
+    let direction = arrivals.first()?.direction;
+    if arrivals.iter().any(|a| !is_same(a.direction, direction)) {
+        return None;
+    }
+    let mut visits: BTreeMap<(u32, Vec<u64>), Vec<usize>> = BTreeMap::new();
+    for (number, arrival) in arrivals.iter().enumerate() {
+        let at = arrival.positions.iter().map(|q| q.to_bits()).collect();
+        visits.entry((arrival.cycle, at)).or_default().push(number);
+    }
+    let pairs = || {
+        visits
+            .values()
+            .filter_map(|own| <[usize; 2]>::try_from(&own[..]).ok())
+    };
+    let of_pairs = |f: &dyn Fn([usize; 2]) -> f64| pairs().map(f).collect::<Vec<f64>>();
+    let count = pairs().count();
+    let later_s = of_pairs(&|[a, b]| arrivals[b].elapsed_s - arrivals[a].elapsed_s);
+    let shortest_s = later_s.iter().copied().fold(f64::INFINITY, f64::min);
+    let longest_s = later_s.iter().copied().fold(0.0, f64::max);
+    if count < LEAST_PAIRS
+        || (count as f64) < MOST_OF_ALL * visits.len() as f64
+        || shortest_s > THERE_AND_BACK * longest_s
+    {
+        return None;
+    }
+    let higher_um = of_pairs(&|[a, b]| arrivals[b].value_um - arrivals[a].value_um);
+    let squares = later_s.iter().map(|later_s| later_s * later_s).collect();
+    let drift = Projection::dense(higher_um, &[later_s, squares]);
+    let fit = Fit::new(&drift, &[vec![1.0; count]]);
+    let (drop, squares) = (fit.gained(), drift.squares());
+    let ln_p = ln_f_test(drop, squares, 1, drift.degrees_of_freedom);
+    let sd_um = ((squares - drop).max(0.0) / (drift.degrees_of_freedom - 1.0)).sqrt();
+    let back_um = fit.estimates[0];
+    (ln_p < LEVEL.ln() && back_um.abs() > PLAINLY * sd_um).then(|| {
+        format!(
+            "direction is {direction} in all rows, but each position was read twice in a cycle, there and back, and on the way back \
+             the readings are {:.1} µm {}, as from the other side; if they were, give those rows direction {}",
+            back_um.abs(),
+            if back_um > 0.0 { "higher" } else { "lower" },
+            -direction
+        )
+    })
+}
