@@ -29,15 +29,18 @@ pub enum Error {
     },
     /// What was measured is another motion than the commanded one.
     #[error(
-        "axis {axis} does not move as commanded: the points deviate by up to {translation_mm:.1} mm and \
-         {rotation_deg:.1}° from it; check the direction, sign and unit of this axis in the campaign"
+        "axis {axis} does not move as commanded: in {step} the points deviate by {translation_mm:.1} mm and \
+         {rotation_deg:.1}° from it; check the direction, sign and unit of this axis in the campaign, and its \
+         positions in the table; if they are right, the axis is to be repaired before it can be calibrated"
     )]
     NotThatMotion {
         /// The axis.
         axis: String,
-        /// Largest component of δ, mm.
+        /// The step where it deviates most.
+        step: String,
+        /// Largest component of δ there, mm.
         translation_mm: f64,
-        /// Largest component of ε, degrees.
+        /// Largest component of ε there, degrees.
         rotation_deg: f64,
     },
     /// More than one axis moves in a run.

@@ -1,6 +1,6 @@
 //! What is no calibration although everything converged.
 
-use trueaxis_poses::AdjustmentReport;
+use trueaxis_poses::{AdjustmentReport, step_in_words};
 
 use crate::Error;
 use crate::identify::context::Context;
@@ -13,13 +13,26 @@ const IMPLAUSIBLE_RAD: f64 = 0.1;
 /// Refuses axes that moved otherwise than commanded.
 pub(crate) fn check_motion(context: &Context<'_>, identified: &Identified) -> Result<(), Error> {
     for (k, values) in identified.state.axes.iter().enumerate() {
-        let translations_mm = values.curve.iter().map(|e| e.translation_mm.amax());
-        let rotations_rad = values.curve.iter().map(|e| e.rotation_rad.amax());
-        let translation_mm = translations_mm.fold(0.0, f64::max);
-        let rotation_rad = rotations_rad.fold(0.0, f64::max);
-        if translation_mm > IMPLAUSIBLE_MM || rotation_rad > IMPLAUSIBLE_RAD {
+        let data = &context.data[k];
+        let deviations = values
+            .curve
+            .iter()
+            .zip(&data.records_of)
+            .map(|(e, records)| {
+                let (mm, rad) = (e.translation_mm.amax(), e.rotation_rad.amax());
+                (
+                    (mm / IMPLAUSIBLE_MM).max(rad / IMPLAUSIBLE_RAD),
+                    mm,
+                    rad,
+                    records,
+                )
+            });
+        let most = deviations.max_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, translation_mm, rotation_rad, records)) = most.filter(|most| most.0 > 1.0) {
+            let step = context.poses.observations[data.records[records[0]].pose].step;
             return Err(Error::NotThatMotion {
                 axis: context.axis(k).name().to_owned(),
+                step: step_in_words(context.campaign, step),
                 translation_mm,
                 rotation_deg: rotation_rad.to_degrees(),
             });

@@ -7,6 +7,7 @@
 mod compare;
 mod covariance_files;
 mod machine;
+mod not_as_commanded;
 mod propagation;
 mod replay;
 mod residuals_csv;
