@@ -4,7 +4,7 @@ use std::cell::LazyCell;
 
 use crate::Rival;
 use crate::engine::{Candidate, Chosen, Posterior, SMOOTH_LEVEL, Smooth, without};
-use crate::selection::{DECISIVE, Projection, by_evidence};
+use crate::selection::{ALIKE, DECISIVE, Fit, Projection, by_evidence, ln_f_test};
 use crate::verification::base::{cells, indicators};
 use crate::verification::problem::Problem;
 use crate::verification::wandered::curve;
@@ -50,7 +50,9 @@ pub(crate) fn wandering(plain: &Problem<'_>, causes: &[Chosen]) -> Vec<FittedPro
         let rivals = others.iter().filter(is_rival).map(|other| other.wanderer);
         let rivals = rivals.flat_map(|w| w.names(plain.comparison));
         let twin = next.wanderer.names(plain.comparison).skip(1);
-        let rivals: Vec<Wanderer> = twin.chain(rivals).collect();
+        let lost_motion = hides_lost_motion(&here, causes, next).then_some(Wanderer::Sides);
+        let rivals = twin.chain(rivals).chain(lost_motion);
+        let rivals: Vec<Wanderer> = rivals.collect();
         own.push(FittedProcess {
             rivals,
             ..next.clone()
@@ -79,6 +81,24 @@ fn again(
     }
     own.retain(|judged| judged.p_value < SMOOTH_LEVEL);
     own
+}
+
+/// Whether lost motion of a line explains something that is explained as well by what wanders with time, as where one side was read
+/// before the other: what the readings tell of it is then taken.
+fn hides_lost_motion(problem: &Problem<'_>, causes: &[Chosen], own: &FittedProcess) -> bool {
+    let comparison = problem.comparison;
+    if comparison.line().is_none() || !own.wanderer.is_of_time() {
+        return false;
+    }
+    let sides: Vec<f64> = comparison.arrivals.iter().map(|a| a.direction).collect();
+    let lost_motion = [problem.whiten(&sides)];
+    let model = problem.listed.with(causes);
+    let alone = Fit::new(&model, &lost_motion);
+    let beside = Fit::new(&model.beside(&own.columns(problem)).0, &lost_motion);
+    let ln_p = ln_f_test(alone.gained(), model.squares(), 1, model.degrees_of_freedom);
+    ln_p < SMOOTH_LEVEL.ln()
+        && alone.seen[0]
+        && (!beside.seen[0] || alone.covariance[0] < (1.0 - ALIKE * ALIKE) * beside.covariance[0])
 }
 
 /// What may have wandered in place of cause `k` of several: what has more evidence than it, as in the lengths.

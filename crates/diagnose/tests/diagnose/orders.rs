@@ -187,3 +187,31 @@ fn exchanged_sides_keep_their_order() {
         found.notices
     );
 }
+
+/// One side after the other, by the clock, while the zero goes from one value to another: lost motion would look much the same, and
+/// was not among what cannot be told apart.
+#[test]
+fn what_wanders_from_one_side_to_the_other_may_be_lost_motion() {
+    let wanders = |by_side: bool, seed: u64| {
+        let mut random: ChaCha8Rng = generator(seed, 62);
+        let mut table = table_of_stops(5, 9, |_, _, stop| 4.0 * (stop as f64).sin());
+        if by_side {
+            table.readings.sort_by_key(is_backward);
+        }
+        for (row, reading) in table.readings.iter_mut().enumerate() {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            let time = row as f64 / 89.0;
+            reading.time_s = Some(10.0 * row as f64);
+            reading.value_um += 4.0 * (5.0 * (time - 0.5)).tanh() + 0.5 * noise;
+            reading.line = row + 2;
+        }
+        let found = found(table);
+        assert_eq!(found.verdict, Verdict::Unknown, "{}", summary(&found));
+        let rivals = found.disturbances[0].rivals.clone();
+        rivals.iter().any(|w| w.varies_with.contains(&"direction"))
+    };
+    for seed in 0..3 {
+        assert!(wanders(true, seed));
+        assert!(!wanders(false, seed));
+    }
+}
