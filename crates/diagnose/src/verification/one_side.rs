@@ -53,19 +53,19 @@ pub(crate) fn doubt(comparison: &Comparison<'_>) -> Option<String> {
         return None;
     }
     let higher_um = of_pairs(&|[a, b]| arrivals[b].value_um - arrivals[a].value_um);
+    let mean_um = higher_um.iter().sum::<f64>() / count as f64;
     let squares = later_s.iter().map(|later_s| later_s * later_s).collect();
     let drift = Projection::dense(higher_um, &[later_s, squares]);
     let fit = Fit::new(&drift, &[vec![1.0; count]]);
     let (drop, squares) = (fit.gained(), drift.squares());
     let ln_p = ln_f_test(drop, squares, 1, drift.degrees_of_freedom);
     let sd_um = ((squares - drop).max(0.0) / (drift.degrees_of_freedom - 1.0)).sqrt();
-    let back_um = fit.estimates[0];
-    (ln_p < LEVEL.ln() && back_um.abs() > PLAINLY * sd_um).then(|| {
+    (ln_p < LEVEL.ln() && fit.estimates[0].abs() > PLAINLY * sd_um).then(|| {
         format!(
             "direction is {direction} in all rows, but each position was read twice in a cycle, there and back, and on the way back \
-             the readings are {:.1} µm {}, as from the other side; if they were, give those rows direction {}",
-            back_um.abs(),
-            if back_um > 0.0 { "higher" } else { "lower" },
+             the readings are {:.1} µm {} on average, as from the other side; if they were, give those rows direction {}",
+            mean_um.abs(),
+            if mean_um > 0.0 { "higher" } else { "lower" },
             -direction
         )
     })
