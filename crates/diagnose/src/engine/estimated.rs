@@ -11,6 +11,9 @@ use crate::engine::{Found, Measured, Suspect, duration_s};
 use crate::selection::{Fit, Hypothesis};
 use crate::{Cause, EstimatedParameter, Fitted, Gain, Rival};
 
+/// Of parameters, relative to the largest of an effect.
+const ROUNDING: f64 = 1e-9;
+
 /// Step of the logarithm of a time constant for its derivative.
 const STEP: f64 = 0.01;
 
@@ -133,8 +136,16 @@ pub(crate) fn with_uncertainties(
         true => covariance[k * values.len() + k].max(0.0).sqrt(),
         false => f64::INFINITY,
     };
+    let largest = values
+        .iter()
+        .fold(0.0_f64, |most, value| most.max(value.abs()));
+    // Of what is not seen at all there is nothing but rounding.
+    let value = |k: usize| match seen[k] || values[k].abs() > ROUNDING * largest {
+        true => values[k],
+        false => 0.0,
+    };
     let linear = effect.parameters(scene, subject).into_iter().enumerate();
-    let linear = linear.map(|(k, parameter)| (parameter, values[k], u(k)));
+    let linear = linear.map(|(k, parameter)| (parameter, value(k), u(k)));
     let of_shape = shape_parameter(effect, scene, subject).map(|p| match p.unit {
         "deg" => (p, shape.to_degrees(), u_shape.to_degrees()),
         _ => (p, shape, u_shape),
