@@ -290,13 +290,12 @@ fn parameters(cause: &Cause) -> String {
     let is_wave = cause.parameters.iter().any(|p| p.name == "amplitude");
     let is_shown =
         |p: &&Parameter| !is_wave || !(p.name.starts_with("sine") || p.name.starts_with("cosine"));
-    // The mean of a lost motion where it was measured, not in the middle of the travel.
-    let told = |parameter: &Parameter| match &cause.mean_reversal {
-        Some(mean) if parameter.name == "lost_motion_mean" => mean,
-        _ => parameter,
-    };
-    let shown = cause.parameters.iter().filter(is_shown);
-    let parts = shown.map(told).map(|parameter| {
+    let parts = cause.parameters.iter().filter(is_shown).map(|parameter| {
+        // The mean of a lost motion where it was measured, not in the middle of the travel.
+        let parameter = match &cause.mean_reversal {
+            Some(mean) if parameter.name == "lost_motion_mean" => mean,
+            _ => parameter,
+        };
         if parameter.name == "waves" {
             return format!("{:.0} waves per turn", parameter.value);
         }
