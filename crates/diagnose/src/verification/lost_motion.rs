@@ -28,9 +28,8 @@ const MOST_WAVES: usize = 6;
 
 /// How many waves the positions that were reached from both sides determine, beside mean and slope.
 pub(crate) fn most_waves(comparison: &Comparison<'_>) -> usize {
-    let is_linear = comparison.machine.axes()[comparison.axis()].kind() == AxisKind::Linear;
     match comparison.kind {
-        VerificationKind::Positioning { .. } if is_linear => {
+        VerificationKind::Positioning { .. } => {
             let both = reached_from_both_sides(comparison).len();
             both.saturating_sub(2).min(MOST_WAVES)
         }

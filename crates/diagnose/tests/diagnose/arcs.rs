@@ -1,10 +1,10 @@
-//! Rotary axes that were read over a part of a turn: any smooth curve is a part of a wave.
+//! Positioning of rotary axes. Over a part of a turn any smooth curve is a part of a wave; lost motion may have any form.
 
 use nalgebra::{Point3, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use trueaxis_campaign::{Direction, Verification, VerificationKind, VerificationReading};
-use trueaxis_diagnose::{Settings, diagnose};
+use trueaxis_diagnose::{Diagnosis, Settings, Verdict, diagnose};
 use trueaxis_kinematics::{Axis, Machine};
 
 use crate::{campaign, generator};
@@ -12,23 +12,31 @@ use crate::{campaign, generator};
 /// At this distance from the axis a second of arc is a micrometre, mm.
 const LEVER_MM: f64 = 206.264_806;
 
-/// Names in the mean curve of five cycles at `stops` positions from 0 to `range_deg`, of a curve over the angle in degrees, ″, in
-/// noise of 0.3″.
-fn names(range_deg: f64, stops: u32, curve: impl Fn(f64) -> f64) -> Vec<&'static str> {
+/// What is found in five cycles at so many positions from 0 to so many degrees, from these sides in turn, of readings over the angle
+/// and the side of approach, ″, in noise of 0.3″.
+fn diagnosed(
+    (range_deg, stops): (f64, u32),
+    sides: &[Direction],
+    reading: impl Fn(f64, f64) -> f64,
+) -> Diagnosis {
     let mut random: ChaCha8Rng = generator(1, 29);
     let mut readings = Vec::new();
     for cycle in 1..=5 {
-        for stop in 0..stops {
-            let angle_deg = range_deg * f64::from(stop) / f64::from(stops - 1);
-            let noise: f64 = StandardNormal.sample(&mut random);
-            readings.push(VerificationReading {
-                time_s: None,
-                cycle,
-                direction: Direction::Forward,
-                positions: vec![angle_deg.to_radians()],
-                value_um: curve(angle_deg) + 0.3 * noise,
-                line: readings.len() + 2,
-            });
+        for &direction in sides {
+            let sign = f64::from(direction.sign());
+            for stop in 0..stops {
+                let stop = if sign > 0.0 { stop } else { stops - 1 - stop };
+                let angle_deg = range_deg * f64::from(stop) / f64::from(stops - 1);
+                let noise: f64 = StandardNormal.sample(&mut random);
+                readings.push(VerificationReading {
+                    time_s: None,
+                    cycle,
+                    direction,
+                    positions: vec![angle_deg.to_radians()],
+                    value_um: reading(angle_deg, sign) + 0.3 * noise,
+                    line: readings.len() + 2,
+                });
+            }
         }
     }
     let kind = VerificationKind::Positioning {
@@ -45,9 +53,21 @@ fn names(range_deg: f64, stops: u32, curve: impl Fn(f64) -> f64) -> Vec<&'static
     let travel = [-0.1, range_deg.to_radians() + 0.1];
     let axis = Axis::rotary("C", Vector3::z(), travel, Point3::origin()).unwrap();
     campaign.machine = Machine::new(vec![axis], vec![0], vec![]).unwrap();
-    let diagnosis = diagnose(&campaign, &Settings::default()).unwrap();
+    diagnose(&campaign, &Settings::default()).unwrap()
+}
+
+fn names(diagnosis: &Diagnosis) -> Vec<&'static str> {
     let causes = diagnosis.causes.iter();
     causes.map(|cause| cause.effect.effect.id).collect()
+}
+
+/// Names in the mean curve of readings from one side.
+fn names_in(positions: (f64, u32), curve: impl Fn(f64) -> f64) -> Vec<&'static str> {
+    names(&diagnosed(
+        positions,
+        &[Direction::Forward],
+        |angle_deg, _| curve(angle_deg),
+    ))
 }
 
 /// A bow of 10″ over 3° was "encoder ellipticity of 7300″, U 170″".
@@ -55,7 +75,7 @@ fn names(range_deg: f64, stops: u32, curve: impl Fn(f64) -> f64) -> Vec<&'static
 fn a_bow_over_a_part_of_a_turn_is_no_encoder_error() {
     for range_deg in [3.0, 30.0, 90.0, 140.0] {
         let bow = |angle_deg: f64| 10.0 * (2.0 * angle_deg / range_deg - 1.0).powi(2);
-        assert_eq!(names(range_deg, 11, bow), [""; 0], "{range_deg}°");
+        assert_eq!(names_in((range_deg, 11), bow), [""; 0], "{range_deg}°");
     }
 }
 
@@ -63,7 +83,20 @@ fn a_bow_over_a_part_of_a_turn_is_no_encoder_error() {
 #[test]
 fn a_whole_wave_is_an_encoder_error() {
     let sine = |waves: f64| move |angle_deg: f64| 10.0 * (waves * angle_deg).to_radians().sin();
-    assert_eq!(names(350.0, 36, sine(1.0)), ["encoder_eccentricity"]);
-    assert_eq!(names(200.0, 41, sine(2.0)), ["encoder_ellipticity"]);
-    assert_eq!(names(30.0, 61, sine(36.0)), ["worm_gear"]);
+    assert_eq!(names_in((350.0, 36), sine(1.0)), ["encoder_eccentricity"]);
+    assert_eq!(names_in((200.0, 41), sine(2.0)), ["encoder_ellipticity"]);
+    assert_eq!(names_in((30.0, 61), sine(36.0)), ["worm_gear"]);
+}
+
+/// Play of 8″ to 14″ over a turn was constant lost motion and something that wanders, or a lag.
+#[test]
+fn lost_motion_of_a_rotary_axis_may_have_any_form() {
+    let play = |angle_deg: f64| 8.0 + 6.0 * (angle_deg / 2.0).to_radians().sin();
+    let both = [Direction::Forward, Direction::Backward];
+    let diagnosis = diagnosed((350.0, 36), &both, |angle_deg, side| {
+        -0.5 * side * play(angle_deg)
+    });
+    assert_eq!(names(&diagnosis), ["position_dependent_backlash"]);
+    assert_eq!(diagnosis.verdict, Verdict::Named);
+    assert!(diagnosis.disturbances.is_empty());
 }
