@@ -91,7 +91,7 @@ fn a_whole_wave_is_an_encoder_error() {
 /// Play of 8″ to 14″ over a turn was constant lost motion and something that wanders, or a lag.
 #[test]
 fn lost_motion_of_a_rotary_axis_may_have_any_form() {
-    let play = |angle_deg: f64| 8.0 + 6.0 * (angle_deg / 2.0).to_radians().sin();
+    let play = |angle_deg: f64| 11.0 - 3.0 * angle_deg.to_radians().cos();
     let both = [Direction::Forward, Direction::Backward];
     let diagnosis = diagnosed((350.0, 36), &both, |angle_deg, side| {
         -0.5 * side * play(angle_deg)
