@@ -1,7 +1,8 @@
 //! The reference frame of a campaign: the rule of `trueaxis-kinematics` on what was measured.
 
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 use trueaxis_kinematics::{AxisKind, LocationComponent, Machine, NominalTarget};
+use trueaxis_leastsquares::dense::Svd;
 
 use crate::identify::context::Context;
 
@@ -15,6 +16,8 @@ pub(crate) struct FrameRule {
     pub(crate) anchors: Vec<Anchor>,
     /// Of each target among the anchors: the mean over the runs counts, whatever their number.
     weights: Vec<f64>,
+    /// See [`FrameRule::axial_places`].
+    axial: DMatrix<f64>,
     rule: trueaxis_kinematics::FrameRule,
 }
 
@@ -81,13 +84,15 @@ impl FrameRule {
             lines,
             anchors,
             weights,
+            axial: axial(context, &rule),
             rule,
         }
     }
 
-    /// Whether a rotary axis has a place along itself.
-    pub(crate) fn places_along_itself(&self, axis: usize) -> bool {
-        self.rule.places_along_itself(axis)
+    /// How far each axis is along itself (a row), from how far its targets are along it in the mean; zero for axes without
+    /// such a place.
+    pub(crate) fn axial_places(&self, mean_shifts: &DMatrix<f64>) -> DMatrix<f64> {
+        &self.axial * mean_shifts
     }
 
     /// The location errors of an axis that are reported: of lines those that the frame does not define away.
@@ -109,4 +114,32 @@ impl FrameRule {
         }
         self.rule.motion(tilts, &means)
     }
+}
+
+/// Part of the shift of targets below which rotary axes that carry each other share it: they are parallel to 0.8 degrees.
+const SHARED_TOL: f64 = 1e-4;
+
+/// Where rotary axes carry each other, a shift along one has a part along another, if they are oblique.
+fn axial(context: &Context<'_>, rule: &trueaxis_kinematics::FrameRule) -> DMatrix<f64> {
+    let (machine, data) = (context.machine, context.data);
+    let is_placed = |k: usize| {
+        context.axis(k).kind() == AxisKind::Rotary && rule.places_along_itself(data[k].axis)
+    };
+    let moved = |k: usize, j: usize| {
+        let targets = data[k].runs.iter().flat_map(|run| &run.targets);
+        let carriers = targets.map(|&target| context.campaign.targets[target].carrier);
+        let chains: Vec<&[usize]> = carriers.map(|carrier| machine.chain(carrier)).collect();
+        let moved = chains.iter().filter(|chain| chain.contains(&data[j].axis));
+        moved.count() as f64 / chains.len() as f64
+    };
+    let direction = |k: usize| context.axis(k).direction().into_inner();
+    let parts = DMatrix::from_fn(data.len(), data.len(), |k, j| {
+        if is_placed(k) && is_placed(j) {
+            moved(k, j) * direction(k).dot(&direction(j))
+        } else {
+            0.0
+        }
+    });
+    // Parts of unit vectors are finite.
+    Svd::new(&parts).map_or(parts, |svd| svd.pseudo_inverse(SHARED_TOL))
 }

@@ -1,6 +1,6 @@
 //! The reference frame in each pass: where the rule wants it.
 
-use nalgebra::{Point3, Translation3, Vector3};
+use nalgebra::{DMatrix, Point3, Translation3, Vector3};
 use trueaxis_kinematics::AxisKind;
 
 use crate::identify::context::Context;
@@ -26,19 +26,16 @@ pub(crate) fn settle_frame(context: &Context<'_>, frame: &FrameRule, next: &mut 
     let size_mm = distances.fold(0.0, f64::max);
     let mut change_mm = motion.translation.norm() + motion.rotation.norm() * size_mm;
 
-    for (k, data) in context.data.iter().enumerate() {
-        let axis = context.axis(k);
-        if axis.kind() == AxisKind::Rotary && frame.places_along_itself(data.axis) {
-            let along = axis.direction().into_inner();
-            let shift_mm = mean_axial_shift(context, next, k, along);
-            let values = &mut next.axes[k];
-            values.location.offset_mm += along * shift_mm;
-            let back = Translation3::from(-along * shift_mm);
-            for placement in &mut values.placements {
-                *placement = back * *placement;
-            }
-            change_mm = change_mm.max(shift_mm.abs());
+    let along = |k: usize| context.axis(k).direction().into_inner();
+    let shifts = (0..context.data.len()).map(|k| mean_axial_shift(context, next, k, along(k)));
+    let places = frame.axial_places(&DMatrix::from_iterator(context.data.len(), 1, shifts));
+    for (k, (values, &place_mm)) in next.axes.iter_mut().zip(&places).enumerate() {
+        values.location.offset_mm += along(k) * place_mm;
+        let back = Translation3::from(-along(k) * place_mm);
+        for placement in &mut values.placements {
+            *placement = back * *placement;
         }
+        change_mm = change_mm.max(place_mm.abs());
     }
     change_mm
 }
@@ -73,7 +70,7 @@ fn take_out(context: &Context<'_>, motion: &SmallMotion, next: &mut State) {
     }
 }
 
-/// How far the targets of a rotary axis are from nominal along it, in the mean.
+/// How far the targets of an axis are from nominal along it, in the mean.
 fn mean_axial_shift(context: &Context<'_>, state: &State, k: usize, along: Vector3<f64>) -> f64 {
     let errors = context.errors(state);
     let mut shifts = Vec::new();

@@ -27,12 +27,12 @@ pub(crate) struct FrameMap<'a, 's> {
     /// The sources freed of the errors of the axes outside.
     net: DMatrix<f64>,
     /// For each axis the error of its place along itself; zero for linear axes.
-    axial: Vec<RowDVector<f64>>,
+    axial: DMatrix<f64>,
 }
 
 /// The place of an axis along itself depends on those of the axes it shares targets with, and the
-/// targets of axes inside it depend on that; such axes are across each other but for their errors,
-/// so the second sweep confirms the first.
+/// targets of axes inside it depend on that: exactly as the nominal directions say but for the errors of the axes, so the
+/// second sweep confirms the first.
 const AXIAL_SWEEPS: usize = 3;
 
 impl<'a, 's> FrameMap<'a, 's> {
@@ -50,7 +50,7 @@ impl<'a, 's> FrameMap<'a, 's> {
                 .map(|k| BaseResponse::new(context, identified, k))
                 .collect(),
             net: DMatrix::identity(sources.count, sources.count),
-            axial: vec![RowDVector::zeros(sources.count); context.data.len()],
+            axial: DMatrix::zeros(context.data.len(), sources.count),
         }
     }
 
@@ -114,7 +114,7 @@ impl<'a, 's> FrameMap<'a, 's> {
         match axis.kind() {
             AxisKind::Linear => rows.rows_mut(TILT, 3).copy_from(&self.across(k, first)),
             AxisKind::Rotary => {
-                let along = axis.direction().into_inner() * &self.axial[k];
+                let along = axis.direction().into_inner() * self.axial.row(k);
                 let shift = self.across(k, first) + along;
                 rows.rows_mut(SHIFT, 3).copy_from(&shift);
                 rows.rows_mut(TILT, 3).copy_from(&self.across(k, first + 2));
@@ -227,7 +227,7 @@ impl<'a, 's> FrameMap<'a, 's> {
             AxisKind::Rotary => {
                 let centre = axis.reference_at_home_mm(&self.identified.state.axes[k].location);
                 let mut shift = self.across(k, first) - across * frame.at(centre);
-                shift += direction * &self.axial[k];
+                shift += direction * self.axial.row(k);
                 rows.rows_mut(0, 3).copy_from(&shift);
                 self.across(k, first + 2)
             }
@@ -237,15 +237,12 @@ impl<'a, 's> FrameMap<'a, 's> {
         rows
     }
 
-    /// Finds the errors of the places of rotary axes along themselves.
+    /// Finds the errors of the places of rotary axes along themselves, from what is left of the shifts of their targets.
     fn find_axial(&mut self, frame: &Twist) {
-        for k in 0..self.context.data.len() {
-            let rotary = self.context.axis(k).kind() == AxisKind::Rotary;
-            let axis = self.context.data[k].axis;
-            if rotary && self.identified.frame.places_along_itself(axis) {
-                self.axial[k] = self.axial_shift(k, frame);
-            }
-        }
+        let axes = 0..self.context.data.len();
+        let left = axes.map(|k| self.axial_shift(k, frame) - self.axial.row(k));
+        let left = DMatrix::from_rows(&left.collect::<Vec<_>>());
+        self.axial += self.identified.frame.axial_places(&left);
     }
 
     /// Error of the mean shift of an axis' targets along it: one row.
