@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Point3};
 use trueaxis_campaign::{Campaign, Lengths, Points};
 use trueaxis_identify::SixRows;
-use trueaxis_kinematics::Machine;
+use trueaxis_kinematics::{MICROMETRE, Machine};
 use trueaxis_multilateration::Station;
 
 use crate::Error;
@@ -148,8 +148,21 @@ fn from_points<'a>(
         Method::Joint => Method::Nine,
         method => method,
     };
-    let points = points_from_coordinates(campaign, points, settings.by_direction);
-    let mut found = poses_from_points(campaign, &points, method)?;
+    let is_undeclared = points.readings.iter().any(|r| r.sigma_um.is_none());
+    let with_repeatability = |repeatability_mm: f64| -> Result<_, Error> {
+        let by_direction = settings.by_direction;
+        let points = points_from_coordinates(campaign, points, by_direction, repeatability_mm);
+        let found = poses_from_points(campaign, &points, method)?;
+        Ok((points, found))
+    };
+    let repeatability_mm = campaign.instrument.repeatability_um.unwrap_or(0.0) * MICROMETRE;
+    let (mut points, mut found) = with_repeatability(repeatability_mm)?;
+    let (squares, degrees_of_freedom) = rigidity::total(&found);
+    if is_undeclared && repeatability_mm > 0.0 && degrees_of_freedom > 0 {
+        // All variances will be multiplied by what the residuals say (at least a nanometre), but this one is known.
+        let sigma0 = (squares / degrees_of_freedom as f64).sqrt().max(1e-3);
+        (points, found) = with_repeatability(repeatability_mm / sigma0)?;
+    }
     let mut point_residuals = found.equations.residuals(&points);
     let (adjustment, notices) = points_report(
         campaign,
@@ -165,6 +178,9 @@ fn from_points<'a>(
     }
     let misfits = rigidity::misfits(campaign, &found, adjustment.noise_declared);
     found.poses.follow(&adjustment);
+    // What is drawn from it, too.
+    let factor = adjustment.uncertainty_factor.powi(2);
+    points.noise.own.iter_mut().for_each(|own| *own *= factor);
     Ok(MeasuredPoses {
         campaign,
         method,

@@ -52,13 +52,13 @@ impl Sample {
     }
 }
 
-/// The averaged points in the datum. Readings of one visit share the repeatability error.
+/// The averaged points in the datum. Readings of one visit share the repeatability error, of this standard deviation.
 pub(crate) fn points_from_coordinates(
     campaign: &Campaign,
     points: &Points,
     by_direction: bool,
+    repeatability_mm: f64,
 ) -> MeasuredPoints {
-    let repeatability_mm = campaign.instrument.repeatability_um.unwrap_or(0.0) * MICROMETRE;
     let repeatability_variance_mm2 = repeatability_mm * repeatability_mm;
     let mut nominal_mm: Vec<Point3<f64>> = Vec::new();
     let mut noise = PointNoise::default();

@@ -1,6 +1,10 @@
 //! From coordinates.
 
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use trueaxis_calibrate::calibrate_for_replay;
 use trueaxis_campaign::{PointReading, Points};
+use trueaxis_montecarlo::Model;
 
 use super::*;
 
@@ -111,4 +115,58 @@ fn coordinates_propagate_to_everything() {
         assert!(difference.abs() <= limit, "{i}: {budget:?}");
         assert!(budget.station_geometry.abs() < f64::MIN_POSITIVE);
     }
+}
+
+/// Coordinates with errors of some µm, read once with this declared noise.
+fn noisy_points(sigma_um: Option<f64>) -> Campaign {
+    let mut campaign = points_campaign(simulated(&two_branches()), 1, &Isometry3::identity());
+    let readings = &mut campaign.points.as_mut().unwrap().readings;
+    for (i, reading) in readings.iter_mut().enumerate() {
+        reading.sigma_um = sigma_um;
+        let wild = |c: usize| ((7 * i + 3 * c) as f64 * (1 + c) as f64).sin();
+        reading.position_mm += Vector3::from_fn(|c, _| 4.0 * MICROMETRE * wild(c));
+    }
+    campaign
+}
+
+/// Where `sigma_um` is not declared, the residuals tell the instrument's noise, but not the repeatability that is declared: it
+/// was multiplied by what they say, too.
+#[test]
+fn a_declared_repeatability_is_not_what_the_residuals_make_of_it() {
+    let calibrated = |sigma_um| {
+        let settings = settings(Method::Nine);
+        calibrate(&noisy_points(sigma_um), &settings).unwrap()
+    };
+    let undeclared = calibrated(None);
+    let sigma0 = undeclared.adjustment.sigma0;
+    assert!((1.5..6.0).contains(&sigma0), "{sigma0}");
+    // As with the noise that the residuals show, declared.
+    let known = calibrated(Some(sigma0));
+    for (found, expected) in undeclared.results().iter().zip(known.results()) {
+        let off = found.u - expected.u;
+        assert!(off.abs() <= 1e-3 * expected.u, "{:?}: {off}", found.output);
+    }
+}
+
+/// Trials drew an undeclared noise as 1 µm, whatever the residuals say. The results have some ten degrees of freedom: the rms of
+/// 100 trials is known to 3 %.
+#[test]
+fn trials_draw_the_noise_that_residuals_show() {
+    let mut campaign = noisy_points(None);
+    campaign.instrument.repeatability_um = None;
+    let (_, replay) = calibrate_for_replay(&campaign, &settings(Method::Nine)).unwrap();
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    let mut workspace = replay.workspace();
+    let mut values = vec![0.0; replay.outputs()];
+    let (mut squares, mut count) = (0.0, 0.0);
+    for _ in 0..100 {
+        replay.trial(&mut random, &mut workspace, &mut values);
+        for (value, result) in values.iter().zip(replay.results()) {
+            let off = value * result.output.unit().size() - result.value;
+            squares += (off / result.u).powi(2);
+            count += 1.0;
+        }
+    }
+    let rms = f64::sqrt(squares / count);
+    assert!((rms - 1.0).abs() < 0.15, "{rms}");
 }
