@@ -3,7 +3,7 @@
 //! Each possible part of U has one entry in [`parts`]: to add one, add it there.
 
 use trueaxis_campaign::Campaign;
-use trueaxis_poses::{MeasuredPoses, ScaleBasis};
+use trueaxis_poses::{MeasuredPoses, ScaleBasis, step_in_words};
 
 use crate::result::calibration::UncertaintyStatement;
 
@@ -32,7 +32,38 @@ fn parts(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Vec<Part> {
     parts.push(nests(campaign));
     parts.extend(temperatures(campaign));
     parts.extend(repeatability(campaign));
+    parts.extend(beyond_steps(campaign, measured));
     parts
+}
+
+/// A parked axis has the errors of its nearest step. Beyond the last nothing tells how they go on, and what they make of the
+/// location of the axis that moves.
+fn beyond_steps(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Option<Part> {
+    let axis_of = |step: usize| campaign.steps[step].run.map(|run| campaign.runs[run].axis);
+    let poses = &measured.poses;
+    let mut ranges = vec![None; campaign.machine.axes().len()];
+    for (step, axis) in (poses.observations.iter()).filter_map(|o| Some((o.step, axis_of(o.step)?)))
+    {
+        let position = campaign.steps[step].positions[axis];
+        let (low, high) = ranges[axis].unwrap_or((position, position));
+        ranges[axis] = Some((position.min(low), position.max(high)));
+    }
+    let is_beyond = |step: usize, axis: usize| {
+        let position = campaign.steps[step].positions[axis];
+        ranges[axis].is_some_and(|(low, high)| position < low || position > high)
+    };
+    let found = poses.observations.iter().find_map(|pose| {
+        let carriers = poses.bodies[pose.body].targets.iter();
+        let mut axes = carriers.flat_map(|&t| campaign.machine.chain(campaign.targets[t].carrier));
+        Some((pose.step, *axes.find(|&&axis| is_beyond(pose.step, axis))?))
+    });
+    found.map(|(step, axis)| {
+        let name = campaign.machine.axes()[axis].name();
+        let place = step_in_words(campaign, step);
+        Err(format!(
+            "errors of axes beyond their steps: {place}, {name} stood where it was not measured"
+        ))
+    })
 }
 
 /// Of points: residuals of one visit show the instrument, but not where the machine would have stood at another. Lengths

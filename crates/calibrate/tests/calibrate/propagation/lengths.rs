@@ -113,3 +113,23 @@ fn covariance_and_uncertainties_agree() {
     let names: Vec<String> = zeros.map(|i| covariance.outputs[i].name()).collect();
     assert_eq!(names.join(" "), "EYY EAY EBY ECY EZC ECC");
 }
+
+/// What an axis does beyond its steps enters the squareness of others that are measured while it stands there: by 5 mm this was
+/// twice the U that was stated.
+#[test]
+fn an_axis_parked_beyond_its_steps_is_said_not_to_be_in_u() {
+    let lacks = |first_of_x: f64| {
+        let mut scenario = two_branches();
+        // Another run has X at 60 mm.
+        scenario.runs[0].positions = Some(vec![first_of_x, 210.0, 400.0]);
+        let calibration = calibrate(&simulated(&scenario), &settings(Method::Joint)).unwrap();
+        let mut lacks = calibration.uncertainty.lacks.into_iter();
+        lacks.find(|part| part.starts_with("errors of axes beyond their steps"))
+    };
+    assert_eq!(lacks(60.0), None);
+    let said = lacks(65.0).unwrap();
+    assert!(
+        said.contains("run y2 at X = 60 mm") && said.ends_with("X stood where it was not measured"),
+        "{said}"
+    );
+}
