@@ -1,6 +1,7 @@
 //! What the best compensation leaves over the working volume.
 
 use nalgebra::Vector6;
+use trueaxis_kinematics::MotionError;
 use trueaxis_predict::{CalibratedMachine, Places};
 
 use crate::{Error, Moved, correct};
@@ -27,7 +28,7 @@ pub struct Remains {
 /// Of the errors as calibrated.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Left {
-    /// Displacement of the tool point, mm.
+    /// Displacement of the tool point, less that at home, mm.
     pub rms_mm: f64,
     /// Its largest, mm.
     pub max_mm: f64,
@@ -56,10 +57,17 @@ pub fn remains(machine: &CalibratedMachine, places: &Places) -> Result<Remains, 
     let chosen: Vec<_> = chosen
         .map(|number| (places.at(number), places.tool_home_mm))
         .collect();
+    let at_home = vec![0.0; machine.machine().axes().len()];
     let left = |moved| -> Result<Left, Error> {
-        let found = chosen.iter().map(|(commanded, tool_mm)| {
-            let found = correct(machine.machine(), machine, commanded, *tool_mm, moved)?;
-            Ok(found.left.to_vector())
+        let left_at = |commanded: &[f64]| -> Result<MotionError, Error> {
+            let tool_mm = places.tool_home_mm;
+            Ok(correct(machine.machine(), machine, commanded, tool_mm, moved)?.left)
+        };
+        // A displacement that is there at home is that of the workpiece's zero.
+        let home_mm = left_at(&at_home)?.translation_mm;
+        let found = chosen.iter().map(|(commanded, _)| {
+            let left = left_at(commanded)?;
+            Ok(MotionError::new(left.translation_mm - home_mm, left.rotation_rad).to_vector())
         });
         Ok(Left::of(&found.collect::<Result<Vec<_>, Error>>()?))
     };

@@ -34,3 +34,21 @@ fn positions_go_and_rotations_stay_as_far_as_no_axis_turns() {
         assert!(remains.u_rms_mm < remains.u_max_mm);
     }
 }
+
+/// Where no axis corrects anything, that is what was there before: zero at home. The displacement at home counted.
+#[test]
+fn what_is_there_at_home_does_not_remain() {
+    let machine = calibrated(&scenario(TABLE), false);
+    let places = machine.places(8, tool());
+    let left = remains(&machine, &places).unwrap();
+    assert_eq!(left.places, places.count());
+    let error = |positions: &[f64]| machine.predict(positions, tool()).error.translation_mm;
+    let home = error(&vec![0.0; machine.machine().axes().len()]);
+    let sizes = (0..places.count()).map(|k| (error(&places.at(k)) - home).norm());
+    let largest = sizes.fold(0.0, f64::max);
+    assert!(home.norm() > 0.1 * MICROMETRE, "{home}");
+    assert!(
+        (left.linear.max_mm - largest).abs() < 1e-9,
+        "{left:?} {largest}"
+    );
+}
