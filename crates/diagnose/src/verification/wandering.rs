@@ -1,11 +1,8 @@
 //! What wanders beside causes: judged as in the lengths, by its evidence ([`Smooth`]) and a p-value of all together.
 
-use std::cell::LazyCell;
-
 use crate::Rival;
 use crate::engine::{Candidate, Chosen, Posterior, SMOOTH_LEVEL, Smooth, without};
 use crate::selection::{ALIKE, DECISIVE, Fit, Projection, by_evidence, ln_f_test};
-use crate::verification::base::{cells, indicators};
 use crate::verification::problem::Problem;
 use crate::verification::wandered::curve;
 use crate::verification::wanderer::{Form, Wanderer, wanderers};
@@ -141,32 +138,15 @@ fn judge(
     let lengths = wanderer.lengths(comparison);
     let smooth: Vec<Form> = lengths.into_iter().map(Form::Smooth).collect();
     let periods = wanderer.periods(comparison);
-    let swing = |model: &Projection, period: f64| {
-        let form = [Form::Swing(period)];
-        Judged::new(problem, model, wanderer, &form, periods.len())
-    };
-    let is_significant = |own: &Judged| own.p_value(family) < SMOOTH_LEVEL;
     // What repeats with the cycle is a function of position and side of approach, of whatever form. Instead of a cause of such a
     // form it may be simpler, but beside one it would take a part of it.
     let is_of_position = |cause: &Chosen| !problem.listed.hypothesis(cause).is_of_time();
     let takes_its_part = causes.iter().any(is_of_position);
-    let beside_cycle = LazyCell::new(|| {
-        let cells = indicators(&cells(comparison)).into_iter();
-        let cells: Vec<Vec<f64>> = cells.map(|cell| problem.whiten(&cell)).collect();
-        model.extended(&cells)
-    });
-    let shows_more = |period: f64| {
-        swing(&beside_cycle, period)
-            .as_ref()
-            .is_some_and(is_significant)
-    };
-    let swings = periods.iter().filter_map(|&period| {
-        let own = swing(&model, period)?;
-        let is_its_own = !takes_its_part
-            || !is_significant(&own)
-            || !Wanderer::is_of_cycle(comparison, period)
-            || shows_more(period);
-        is_its_own.then_some(own)
+    let is_its_own =
+        |period: &&f64| !takes_its_part || !Wanderer::is_of_cycle(comparison, **period);
+    let swings = periods.iter().filter(is_its_own).filter_map(|&period| {
+        let form = [Form::Swing(period)];
+        Judged::new(problem, &model, wanderer, &form, periods.len())
     });
     let mut all: Vec<Judged> = Vec::new();
     all.extend(Judged::new(problem, &model, wanderer, &smooth, 1));
