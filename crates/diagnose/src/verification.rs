@@ -185,13 +185,17 @@ fn judged<'a>(
         .extend(doubts.map(|doubt| format!("{name}: {doubt}")));
     let base = base_columns(comparison, calibration.is_some());
     let Some(resolution_um) = resolution_um(comparison) else {
-        let why = match comparison.arrivals.len() {
-            0 | 1 => "there are fewer than two stops",
+        let why = match comparison.arrivals.as_slice() {
+            [stop] if stop.readings > 1 => {
+                "all readings are of one stop, and count as one; number them in `cycle`, one after the other, to have them judged for \
+                 drift, jumps and slips"
+            }
+            [] | [_] => "there are fewer than two stops",
             _ => "all readings are equal",
         };
         outcome
             .notices
-            .push(format!("{name}: {why}; nothing can be said"));
+            .push(format!("{name}: nothing can be said: {why}"));
         return None;
     };
     let scatter_um = noise_floor_um(comparison);

@@ -8,8 +8,10 @@
 //! ```
 //!
 //! those that stand out most first (externally studentised residuals; Cook and Weisberg 1982, ch. 2). Two in a row are tested
-//! together because each hides the other. Three in a row, more than a few, or those after which readings stay where they were are
-//! no slips but structure, and stay.
+//! together because each hides the other. Slips of one size hide each other wherever they stand, so the search goes on after one that
+//! is not clear, and what came before the last clear one counts, too (Rosner 1983, generalised extreme studentised deviates). Each is
+//! then judged beside all others. Three in a row, more than a few, or those after which readings stay where they were are no slips but
+//! structure, and stay; so do those that other arrivals explain nearly as well.
 
 use nalgebra::{DMatrix, DVector};
 use trueaxis_campaign::Verification;
@@ -23,6 +25,10 @@ use crate::verification::resolution::resolution_um;
 
 /// Probability of leaving out anything of readings that are in order, for each file.
 const LEVEL: f64 = 1e-4;
+
+/// p-value of an arrival, among all only by chance or by others beside it, above which none is looked for behind it: of `k` slips of one
+/// size the first has `F > ν/k`, which is 16 where they are 3 % of readings that were repeated once.
+const HIDDEN: f64 = 1e-3;
 
 /// Part of the arrivals that may be slips, two in a row for one, and at least one.
 const MOST: f64 = 0.03;
@@ -49,7 +55,7 @@ pub(crate) fn gross_errors(
     verification: &Verification,
     comparison: &Comparison<'_>,
 ) -> Vec<(usize, Rejected)> {
-    let Some(mut left) = scatter(comparison) else {
+    let Some(model) = scatter(comparison) else {
         return Vec::new();
     };
     let count = comparison.arrivals.len();
@@ -59,22 +65,15 @@ pub(crate) fn gross_errors(
         reason = "a count"
     )]
     let most = ((MOST * count as f64) as usize).max(1);
-    let resolution_um = resolution_um(comparison).unwrap_or_default();
-    let mut found: Vec<Slip> = Vec::new();
-    while let Some(next) = largest(&left, comparison, resolution_um) {
-        for slip in &next {
-            let mut own = vec![0.0; left.rows()];
-            own[slip.arrival] = 1.0;
-            left = left.extended(&[own]);
-        }
-        found.extend(next);
-        if found.len() > MOST_IN_A_ROW * most {
-            return Vec::new();
-        }
-    }
-    found.sort_by_key(|slip| slip.arrival);
-    let follow = |a: &Slip, b: &Slip| a.arrival + 1 == b.arrival;
-    let rows: Vec<&[Slip]> = found.chunk_by(follow).collect();
+    let screen = Screen {
+        model,
+        comparison,
+        resolution_um: resolution_um(comparison).unwrap_or_default(),
+    };
+    let Some(found) = screen.found(MOST_IN_A_ROW * most) else {
+        return Vec::new();
+    };
+    let rows: Vec<&[Slip]> = found.chunk_by(|a, b| a.arrival + 1 == b.arrival).collect();
     if rows.len() > most {
         return Vec::new();
     }
@@ -82,7 +81,11 @@ pub(crate) fn gross_errors(
         let mut arrivals = row.iter().map(|slip| &comparison.arrivals[slip.arrival]);
         arrivals.all(|arrival| arrival.readings == 1)
     };
-    let are_slips = |row: &&[Slip]| row.len() <= MOST_IN_A_ROW && !is_jump(comparison, &found, row);
+    let are_slips = |row: &&[Slip]| {
+        row.len() <= MOST_IN_A_ROW
+            && !is_jump(comparison, &found, row)
+            && screen.is_alone(row, &found)
+    };
     let rows = rows.into_iter().filter(of_one_reading).filter(are_slips);
     let mut first = 0;
     let first_readings = comparison.arrivals.iter().map(|arrival| {
@@ -106,67 +109,134 @@ pub(crate) fn gross_errors(
     said.collect()
 }
 
-/// The arrival, or the two in a row, that stand out most, if noise has none like them.
-fn largest(
-    left: &Projection,
-    comparison: &Comparison<'_>,
+/// What the arrivals are tested with.
+struct Screen<'a> {
+    model: Projection,
+    comparison: &'a Comparison<'a>,
     resolution_um: f64,
-) -> Option<Vec<Slip>> {
-    let count = comparison.arrivals.len();
-    if left.degrees_of_freedom - 2.0 < LEAST_DEGREES_OF_FREEDOM {
-        return None;
+}
+
+impl Screen<'_> {
+    /// The arrivals that stand out, each beside all others, in their order; none if they are more than `most`.
+    fn found(&self, most: usize) -> Option<Vec<Slip>> {
+        let mut left = self.model.clone();
+        let mut taken: Vec<Slip> = Vec::new();
+        let mut clear = 0;
+        while taken.len() <= most {
+            let Some(next) = self.largest(&left) else {
+                break;
+            };
+            left = beside(&left, &next.slips);
+            taken.extend(&next.slips);
+            if self.is_clear(&next) {
+                clear = taken.len();
+            }
+        }
+        if clear > most {
+            return None;
+        }
+        taken.truncate(clear);
+        taken.sort_by_key(|slip| slip.arrival);
+        let judged = (0..taken.len()).filter_map(|k| {
+            let others = [&taken[..k], &taken[k + 1..]].concat();
+            let left = beside(&self.model, &others);
+            let tested = Tested::new(&left, &[taken[k].arrival], self.resolution_um)?;
+            self.is_clear(&tested).then_some(tested.slips)
+        });
+        Some(judged.flatten().collect())
     }
-    let tested = |length: usize| {
-        let all = (0..=count - length).filter_map(|first| {
+
+    /// Whether noise has none like them.
+    fn is_clear(&self, tested: &Tested) -> bool {
+        tested.ln_p < (LEVEL / self.comparison.arrivals.len() as f64).ln()
+    }
+
+    /// All so many in a row, those that stand out most first.
+    fn tested(&self, left: &Projection, length: usize) -> Vec<Tested> {
+        let all = (0..=self.comparison.arrivals.len() - length).filter_map(|first| {
             let arrivals: Vec<usize> = (first..first + length).collect();
-            Tested::new(left, &arrivals, resolution_um)
+            Tested::new(left, &arrivals, self.resolution_um)
         });
         let mut all: Vec<Tested> = all.collect();
         all.sort_by(|a, b| b.drop.total_cmp(&a.drop));
         all
-    };
-    let found = |all: Vec<Tested>| {
-        let mut all = all.into_iter();
-        let first = all.next()?;
-        // Two that explain it alike: which of them is wrong cannot be told.
-        let is_alone = all
-            .next()
-            .is_none_or(|second| second.drop < ALIKE * first.drop);
-        let is_clear = first.ln_p < (LEVEL / count as f64).ln();
-        (is_alone && is_clear).then_some(first.slips)
-    };
-    let alone = found(tested(1)).map(|slips| culprits(left, comparison, slips, resolution_um));
-    alone.or_else(|| found(tested(2)))
+    }
+
+    /// The arrival, or the two in a row, that stand out most, if others may be behind it.
+    fn largest(&self, left: &Projection) -> Option<Tested> {
+        if left.degrees_of_freedom - 2.0 < LEAST_DEGREES_OF_FREEDOM {
+            return None;
+        }
+        let first = |length| self.tested(left, length).into_iter().next();
+        let alone = first(1)?;
+        if self.is_clear(&alone) {
+            return Some(self.culprits(left, alone));
+        }
+        match first(2).filter(|two| self.is_clear(two)) {
+            Some(two) => Some(two),
+            None => (alone.ln_p < HIDDEN.ln()).then_some(alone),
+        }
+    }
+
+    /// In a pass of three readings two that are wrong are, beside the offset of the pass, one that is wrong the other way: then those
+    /// two, if the means of their positions say so.
+    fn culprits(&self, left: &Projection, tested: Tested) -> Tested {
+        let [slip] = tested.slips.as_slice() else {
+            return tested;
+        };
+        let passes = passes(self.comparison);
+        let others =
+            (0..passes.len()).filter(|&k| passes[k] == passes[slip.arrival] && k != slip.arrival);
+        let others: Vec<usize> = others.collect();
+        let [a, b] = others[..] else {
+            return tested;
+        };
+        if b != a + 1 {
+            return tested;
+        }
+        let off = off_um(self.comparison, &[a, b, slip.arrival]);
+        let are_off = |k: usize| off[k].is_some_and(|off| off.abs() > slip.error_um.abs() * STAYS);
+        match are_off(a) && are_off(b) && !are_off(slip.arrival) {
+            true => Tested::new(left, &[a, b], self.resolution_um).unwrap_or(tested),
+            false => tested,
+        }
+    }
+
+    /// Whether, beside all others that stand out, no other arrivals explain nearly as much: which of them are wrong only the means of
+    /// their positions can tell then.
+    fn is_alone(&self, row: &[Slip], found: &[Slip]) -> bool {
+        let is_own = |slip: &Slip| row.iter().any(|own| own.arrival == slip.arrival);
+        let others: Vec<Slip> = found.iter().filter(|slip| !is_own(slip)).copied().collect();
+        let all = self.tested(&beside(&self.model, &others), row.len());
+        let Some(own) = all.iter().find(|own| own.slips.iter().all(is_own)) else {
+            return false;
+        };
+        let without: Vec<usize> = found.iter().map(|slip| slip.arrival).collect();
+        let off = off_um(self.comparison, &without);
+        let limit = STAYS * size_um(&own.slips);
+        let are_off = |tested: &Tested| {
+            let mut off = tested.slips.iter().map(|slip| off[slip.arrival]);
+            off.all(|off| off.is_some_and(|off| off.abs() > limit))
+        };
+        let mut rivals = all.iter().filter(|tested| !tested.slips.iter().any(is_own));
+        rivals.all(|rival| rival.drop < ALIKE * own.drop || are_off(own) && !are_off(rival))
+    }
 }
 
-/// In a pass of three readings two that are wrong are, beside the offset of the pass, one that is wrong the other way: then those
-/// two, if the means of their positions say so.
-fn culprits(
-    left: &Projection,
-    comparison: &Comparison<'_>,
-    slips: Vec<Slip>,
-    resolution_um: f64,
-) -> Vec<Slip> {
-    let [slip] = slips.as_slice() else {
-        return slips;
-    };
-    let passes = passes(comparison);
-    let others =
-        (0..passes.len()).filter(|&k| passes[k] == passes[slip.arrival] && k != slip.arrival);
-    let others: Vec<usize> = others.collect();
-    let [a, b] = others[..] else {
-        return slips;
-    };
-    if b != a + 1 {
-        return slips;
-    }
-    let off = off_um(comparison, &[a, b, slip.arrival]);
-    let are_off = |k: usize| off[k].is_some_and(|off| off.abs() > slip.error_um.abs() * STAYS);
-    let is_in_order = off[slip.arrival].is_some_and(|off| off.abs() < slip.error_um.abs() * STAYS);
-    match are_off(a) && are_off(b) && is_in_order {
-        true => Tested::new(left, &[a, b], resolution_um).map_or(slips, |tested| tested.slips),
-        false => slips,
-    }
+/// Mean error of slips, without sign.
+fn size_um(slips: &[Slip]) -> f64 {
+    let errors = slips.iter().map(|slip| slip.error_um.abs());
+    errors.sum::<f64>() / slips.len() as f64
+}
+
+/// A model in which these arrivals have values of their own.
+fn beside(model: &Projection, slips: &[Slip]) -> Projection {
+    let own = slips.iter().map(|slip| {
+        let mut column = vec![0.0; model.rows()];
+        column[slip.arrival] = 1.0;
+        column
+    });
+    model.extended(&own.collect::<Vec<Vec<f64>>>())
 }
 
 /// Whether the readings after a slip, or two in a row, stay where those were, or were there before.
@@ -186,8 +256,7 @@ fn is_jump(comparison: &Comparison<'_>, found: &[Slip], row: &[Slip]) -> bool {
     let (Some(before), Some(after)) = (before, after) else {
         return false;
     };
-    let errors = row.iter().map(|slip| slip.error_um.abs());
-    (after - before).abs() > STAYS * errors.sum::<f64>() / row.len() as f64
+    (after - before).abs() > STAYS * size_um(row)
 }
 
 /// How far each arrival is off the mean of the others at its position and side, µm; none where there is no other. Arrivals `without`

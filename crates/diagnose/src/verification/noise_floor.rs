@@ -43,10 +43,15 @@ pub(crate) fn repeats(comparison: &Comparison<'_>) -> f64 {
 }
 
 /// What repeats do not repeat beyond an offset of each pass, with the model's projection; `None` without enough
-/// repeats. A slope of each pass would make all readings of a pass of three stops look alike.
+/// repeats. A slope of each pass would make all readings of a pass of three stops look alike, an offset those of a pass of two: where
+/// no pass is longer, as in a test of repeatability, there is none, and readings are seen against those of the other passes.
 pub(crate) fn scatter(comparison: &Comparison<'_>) -> Option<Projection> {
     let mut columns = indicators(&cells(comparison));
-    columns.extend(pass_columns(comparison, false));
+    let passes = passes(comparison);
+    let in_pass = |pass: usize| passes.iter().filter(|of| **of == pass).count();
+    if (0..count(&passes)).any(|pass| in_pass(pass) > 2) {
+        columns.extend(pass_columns(comparison, false));
+    }
     let left = Projection::dense(comparison.difference_um.clone(), &columns);
     (left.degrees_of_freedom >= LEAST_DEGREES_OF_FREEDOM && left.squares() > 0.0).then_some(left)
 }
