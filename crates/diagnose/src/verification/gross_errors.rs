@@ -126,7 +126,8 @@ impl Screen<'_> {
             let Some(next) = self.largest(&left) else {
                 break;
             };
-            left = beside(&left, &next.slips);
+            let arrivals: Vec<usize> = next.slips.iter().map(|slip| slip.arrival).collect();
+            left = beside(&left, &arrivals);
             taken.extend(&next.slips);
             if self.is_clear(&next) {
                 clear = taken.len();
@@ -136,14 +137,39 @@ impl Screen<'_> {
             return None;
         }
         taken.truncate(clear);
-        taken.sort_by_key(|slip| slip.arrival);
-        let judged = (0..taken.len()).filter_map(|k| {
-            let others = [&taken[..k], &taken[k + 1..]].concat();
+        let arrivals = self.culprits(&taken);
+        let judged = (0..arrivals.len()).filter_map(|k| {
+            let others = [&arrivals[..k], &arrivals[k + 1..]].concat();
             let left = beside(&self.model, &others);
-            let tested = Tested::new(&left, &[taken[k].arrival], self.resolution_um)?;
+            let tested = Tested::new(&left, &[arrivals[k]], self.resolution_um)?;
             self.is_clear(&tested).then_some(tested.slips)
         });
         Some(judged.flatten().collect())
+    }
+
+    /// The arrivals in their order. Beside the offset of their pass, two that are wrong of three or four are the others that are wrong
+    /// the other way: those two, if the means of their positions say so.
+    fn culprits(&self, slips: &[Slip]) -> Vec<usize> {
+        let mut arrivals: Vec<usize> = slips.iter().map(|slip| slip.arrival).collect();
+        let off = off_um(self.comparison, &arrivals);
+        let passes = passes(self.comparison);
+        for slip in slips {
+            let in_pass = (0..passes.len()).filter(|&k| passes[k] == passes[slip.arrival]);
+            let (own, others): (Vec<usize>, Vec<usize>) =
+                in_pass.partition(|k| slips.iter().any(|slip| slip.arrival == *k));
+            let is_off =
+                |k: &usize| off[*k].is_some_and(|off| off.abs() > slip.error_um.abs() * STAYS);
+            if (1..=MOST_IN_A_ROW).contains(&others.len())
+                && others.iter().all(is_off)
+                && !own.iter().any(is_off)
+            {
+                arrivals.retain(|k| !own.contains(k));
+                arrivals.extend(others);
+            }
+        }
+        arrivals.sort_unstable();
+        arrivals.dedup();
+        arrivals
     }
 
     /// Whether noise has none like them.
@@ -170,7 +196,7 @@ impl Screen<'_> {
         let first = |length| self.tested(left, length).into_iter().next();
         let alone = first(1)?;
         if self.is_clear(&alone) {
-            return Some(self.culprits(left, alone));
+            return Some(alone);
         }
         match first(2).filter(|two| self.is_clear(two)) {
             Some(two) => Some(two),
@@ -178,48 +204,24 @@ impl Screen<'_> {
         }
     }
 
-    /// In a pass of three readings two that are wrong are, beside the offset of the pass, one that is wrong the other way: then those
-    /// two, if the means of their positions say so.
-    fn culprits(&self, left: &Projection, tested: Tested) -> Tested {
-        let [slip] = tested.slips.as_slice() else {
-            return tested;
-        };
-        let passes = passes(self.comparison);
-        let others =
-            (0..passes.len()).filter(|&k| passes[k] == passes[slip.arrival] && k != slip.arrival);
-        let others: Vec<usize> = others.collect();
-        let [a, b] = others[..] else {
-            return tested;
-        };
-        if b != a + 1 {
-            return tested;
-        }
-        let off = off_um(self.comparison, &[a, b, slip.arrival]);
-        let are_off = |k: usize| off[k].is_some_and(|off| off.abs() > slip.error_um.abs() * STAYS);
-        match are_off(a) && are_off(b) && !are_off(slip.arrival) {
-            true => Tested::new(left, &[a, b], self.resolution_um).unwrap_or(tested),
-            false => tested,
-        }
-    }
-
     /// Whether, beside all others that stand out, no other arrivals explain nearly as much: which of them are wrong only the means of
     /// their positions can tell then.
     fn is_alone(&self, row: &[Slip], found: &[Slip]) -> bool {
         let is_own = |slip: &Slip| row.iter().any(|own| own.arrival == slip.arrival);
-        let others: Vec<Slip> = found.iter().filter(|slip| !is_own(slip)).copied().collect();
+        let others = found.iter().filter(|slip| !is_own(slip));
+        let others: Vec<usize> = others.map(|slip| slip.arrival).collect();
         let all = self.tested(&beside(&self.model, &others), row.len());
         let Some(own) = all.iter().find(|own| own.slips.iter().all(is_own)) else {
             return false;
         };
         let without: Vec<usize> = found.iter().map(|slip| slip.arrival).collect();
         let off = off_um(self.comparison, &without);
-        let limit = STAYS * size_um(&own.slips);
-        let are_off = |tested: &Tested| {
-            let mut off = tested.slips.iter().map(|slip| off[slip.arrival]);
-            off.all(|off| off.is_some_and(|off| off.abs() > limit))
-        };
+        let size_um = size_um(&own.slips);
+        let off = |slip: &Slip| off[slip.arrival].map(|off| off.abs() > STAYS * size_um);
+        let is_off = own.slips.iter().all(|slip| off(slip) == Some(true));
+        let is_in_order = |rival: &Tested| rival.slips.iter().any(|slip| off(slip) == Some(false));
         let mut rivals = all.iter().filter(|tested| !tested.slips.iter().any(is_own));
-        rivals.all(|rival| rival.drop < ALIKE * own.drop || are_off(own) && !are_off(rival))
+        rivals.all(|rival| rival.drop < ALIKE * own.drop || is_off && is_in_order(rival))
     }
 }
 
@@ -230,10 +232,10 @@ fn size_um(slips: &[Slip]) -> f64 {
 }
 
 /// A model in which these arrivals have values of their own.
-fn beside(model: &Projection, slips: &[Slip]) -> Projection {
-    let own = slips.iter().map(|slip| {
+fn beside(model: &Projection, arrivals: &[usize]) -> Projection {
+    let own = arrivals.iter().map(|&arrival| {
         let mut column = vec![0.0; model.rows()];
-        column[slip.arrival] = 1.0;
+        column[arrival] = 1.0;
         column
     });
     model.extended(&own.collect::<Vec<Vec<f64>>>())
