@@ -42,6 +42,10 @@ const NEIGHBOURS: usize = 4;
 /// Part of what a slip is off by which the readings may stay off by.
 const STAYS: f64 = 0.5;
 
+/// The same from neighbours to those beyond them, of the first or last reading of a table. A warm-up falls most at its start, noise
+/// between two means of four is 0.7 of that of a reading, and a slip is eight of them.
+const IS_ON_ITS_WAY: f64 = 0.33;
+
 /// An arrival that stands out: error and its standard uncertainty, µm.
 #[derive(Debug, Clone, Copy)]
 struct Slip {
@@ -241,24 +245,32 @@ fn beside(model: &Projection, arrivals: &[usize]) -> Projection {
     model.extended(&own.collect::<Vec<Vec<f64>>>())
 }
 
-/// Whether the readings after a slip, or two in a row, stay where those were, or were there before.
+/// Whether the readings after a slip, or two in a row, stay where those were, or were there before. At the end of a table, where none
+/// are on one side, whether the nearest on the other are on their way: then it is the end of a warm-up or of a drift.
 fn is_jump(comparison: &Comparison<'_>, found: &[Slip], row: &[Slip]) -> bool {
     let ([first, ..], [.., last]) = (row, row) else {
         return false;
     };
     let without: Vec<usize> = found.iter().map(|slip| slip.arrival).collect();
     let off = off_um(comparison, &without);
-    let mean = |rows: &mut dyn Iterator<Item = usize>| {
-        let kept = rows.filter(|k| !without.contains(k)).take(NEIGHBOURS);
-        let off: Vec<f64> = kept.filter_map(|k| off[k]).collect();
+    let mean = |rows: &mut dyn Iterator<Item = usize>, nearer: usize| {
+        let kept = rows.filter(|k| !without.contains(k)).skip(nearer);
+        let off: Vec<f64> = kept.take(NEIGHBOURS).filter_map(|k| off[k]).collect();
         (!off.is_empty()).then(|| off.iter().sum::<f64>() / off.len() as f64)
     };
-    let before = mean(&mut (0..first.arrival).rev());
-    let after = mean(&mut (last.arrival + 1..off.len()));
-    let (Some(before), Some(after)) = (before, after) else {
-        return false;
-    };
-    (after - before).abs() > STAYS * size_um(row)
+    let before = |nearer| mean(&mut (0..first.arrival).rev(), nearer);
+    let after = |nearer| mean(&mut (last.arrival + 1..off.len()), nearer);
+    let is_more = |a: f64, b: f64, part: f64| (b - a).abs() > part * size_um(row);
+    match (before(0), after(0)) {
+        (Some(before), Some(after)) => is_more(before, after, STAYS),
+        (Some(near), None) => {
+            before(NEIGHBOURS).is_some_and(|far| is_more(far, near, IS_ON_ITS_WAY))
+        }
+        (None, Some(near)) => {
+            after(NEIGHBOURS).is_some_and(|far| is_more(near, far, IS_ON_ITS_WAY))
+        }
+        (None, None) => false,
+    }
 }
 
 /// How far each arrival is off the mean of the others at its position and side, µm; none where there is no other. Arrivals `without`

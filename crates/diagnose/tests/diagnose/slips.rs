@@ -114,6 +114,19 @@ fn a_jump_is_no_slip() {
     }
 }
 
+/// A machine that warms up by 30 µm within the first passes loses no reading at the start of the table.
+#[test]
+fn the_start_of_a_warm_up_is_no_slip() {
+    let losing = (0..30).filter(|&seed| {
+        let layout = [Layout::new(4, 13, 2), Layout::new(9, 5, 2)][seed % 2];
+        let constant = 6.0 + 0.5 * seed as f64;
+        let off = |row: usize| 30.0 * (-(row as f64) / constant).exp();
+        let table = layout.table(&mut generator(seed as u64, 45), off);
+        !rows(&found(table)).is_empty()
+    });
+    assert_eq!(losing.count(), 0);
+}
+
 /// In passes of three readings two that are off look like one that is off the other way.
 #[test]
 fn two_of_three_are_told_from_the_third() {
