@@ -239,7 +239,7 @@ fn study_of_slips() {
                 let off = off_um(&mut random);
                 !rows(&found(layout.table(&mut random, |row| off[row]))).is_empty()
             };
-            (0..SLIPS).filter(loses).count()
+            (0..SLIPS as u64).filter(loses).count()
         };
         let walks = losing(&|random| {
             let mut at = 0.0;
@@ -270,12 +270,12 @@ fn study_of_slips() {
                 continue;
             }
             let of_size = |size_um: f64| {
-                let tables = (0..SLIPS).map(|seed| left_out(layout, count, size_um, seed));
+                let tables = (0..SLIPS as u64).map(|seed| left_out(layout, count, size_um, seed));
                 let add = |sum: (usize, usize), of: (usize, usize)| (sum.0 + of.0, sum.1 + of.1);
                 let (rightly, wrongly) = tables.fold((0, 0), add);
                 format!(
                     "{size_um}: {rightly} of {}, wrongly {wrongly}",
-                    count * SLIPS as usize
+                    count * SLIPS
                 )
             };
             let sizes: Vec<String> = [8.0, 15.0, 30.0].into_iter().map(of_size).collect();
@@ -288,7 +288,7 @@ fn study_of_slips() {
 const CLEAN: u64 = 5;
 
 /// Tables of each layout, number and size of slips.
-const SLIPS: u64 = 40;
+const SLIPS: usize = 40;
 
 const LAYOUTS: [Layout; 13] = [
     Layout::new(1, 16, 1),
