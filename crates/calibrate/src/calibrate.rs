@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use nalgebra::{Isometry3, Point3, Vector3};
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::Machine;
-use trueaxis_mistakes::Mistakes;
+use trueaxis_mistakes::{MOST_ACCIDENTS, Mistakes};
 use trueaxis_poses::{LengthsAdjustment, MeasuredPoses, Poses, at_one_temperature, measure};
 use trueaxis_predict::OutputCovariance;
 
@@ -70,6 +70,7 @@ pub(crate) fn calibrate_in_parts<'a>(
     let tried = |campaign: &Campaign, robust: bool| {
         let settings = Settings {
             robust,
+            most_removed: MOST_ACCIDENTS,
             covariance: false,
             ..*settings
         };

@@ -1,7 +1,7 @@
 //! How to calibrate.
 
 use nalgebra::Point3;
-use trueaxis_poses::Method;
+use trueaxis_poses::{MOST_REMOVED, Method};
 
 /// Settings of [`crate::calibrate()`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,6 +18,8 @@ pub struct Settings {
     /// Whether gross errors are removed and interrupted occupations split; otherwise all lengths are
     /// adjusted as they are.
     pub robust: bool,
+    /// Share of the lengths that may be removed as gross errors.
+    pub most_removed: f64,
 }
 
 impl Default for Settings {
@@ -28,6 +30,7 @@ impl Default for Settings {
             reference_point: ReferencePoint::default(),
             covariance: false,
             robust: true,
+            most_removed: MOST_REMOVED,
         }
     }
 }
@@ -39,6 +42,7 @@ impl Settings {
             method: self.method,
             by_direction: self.by_direction,
             robust: self.robust,
+            most_removed: self.most_removed,
         }
     }
 }

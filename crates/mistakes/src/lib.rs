@@ -35,4 +35,4 @@ mod scope;
 mod search;
 mod suspects;
 
-pub use search::{Mistakes, PredictedLengths, Refused, Trial};
+pub use search::{MOST_ACCIDENTS, Mistakes, PredictedLengths, Refused, Trial};

@@ -16,7 +16,7 @@ const FITTING_SIGMA0: f64 = 3.0;
 const FITTING_MM: f64 = 20.0 * MICROMETRE;
 
 /// Share of the lengths that may be accidents beside a mistake.
-const ACCIDENTS: f64 = 0.01;
+pub const MOST_ACCIDENTS: f64 = 0.01;
 
 /// Residuals within this ratio of the best fit as well.
 const ALIKE: f64 = 1.5;
@@ -126,7 +126,7 @@ impl Mistakes<'_> {
         }
         let adjustment = &trial.adjustment;
         let accidents = adjustment.rejected.len() as f64;
-        let few = accidents <= ACCIDENTS * (adjustment.observations as f64 + accidents);
+        let few = accidents <= MOST_ACCIDENTS * (adjustment.observations as f64 + accidents);
         (trial.fits() && few && trial.is_plausible).then_some(trial)
     }
 }

@@ -66,5 +66,5 @@ pub use residual::Residual;
 pub use settings::{Method, Settings};
 pub use trials::{PoseTrials, Trial, TrialWorkspace};
 pub use trueaxis_multilateration::Station;
-pub use trueaxis_screening::NoiseBasis;
+pub use trueaxis_screening::{MOST_REMOVED, NoiseBasis};
 pub use words::step_in_words;

@@ -1,6 +1,7 @@
 //! How to find poses.
 
 use trueaxis_identify::SixRows;
+use trueaxis_screening::MOST_REMOVED;
 
 /// Settings of [`crate::measure()`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,6 +13,8 @@ pub struct Settings {
     /// Whether gross errors are removed and interrupted occupations split; otherwise all lengths are
     /// adjusted as they are.
     pub robust: bool,
+    /// Share of the lengths that may be removed as gross errors.
+    pub most_removed: f64,
 }
 
 impl Default for Settings {
@@ -20,6 +23,7 @@ impl Default for Settings {
             method: Method::default(),
             by_direction: false,
             robust: true,
+            most_removed: MOST_REMOVED,
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::screened::Removed;
 use crate::{Error, Part};
 
 /// Share of all readings that may be removed.
-pub(crate) const MOST_REMOVED: f64 = 0.05;
+pub const MOST_REMOVED: f64 = 0.05;
 
 /// Share of the readings of one station, of one group, or of any other part that may be removed.
 pub const MOST_OF_A_PART: f64 = 1.0 / 3.0;
@@ -15,14 +15,14 @@ pub const MOST_OF_A_PART: f64 = 1.0 / 3.0;
 /// A reading of which the residuals keep less than this part is not checked by the others.
 const CHECKED: f64 = 0.02;
 
-/// Refuses removals that the measurement does not carry.
-pub(crate) fn check(network: &Network, removed: &[Removed]) -> Result<(), Error> {
+/// Refuses removals that the measurement does not carry, and of more than this share of all readings.
+pub(crate) fn check(network: &Network, removed: &[Removed], limit: f64) -> Result<(), Error> {
     let readings = network.readings.len();
-    if removed.len() as f64 > MOST_REMOVED * readings as f64 {
+    if removed.len() as f64 > limit * readings as f64 {
         return Err(Error::TooManyGrossErrors {
             removed: removed.iter().map(|r| r.reading).collect(),
             readings,
-            limit: MOST_REMOVED,
+            limit,
         });
     }
     // Of the stations, and behind them of the groups: readings that leave, and all.

@@ -50,7 +50,7 @@ mod step_tests;
 
 pub use error::{Error, Part};
 pub use estimate_noise::{NoiseBasis, NoiseEstimate, PartEstimate, estimate_noise};
-pub use guard::MOST_OF_A_PART;
+pub use guard::{MOST_OF_A_PART, MOST_REMOVED};
 pub use reliability::Reliability;
-pub use screen::screen;
+pub use screen::{screen, screen_within};
 pub use screened::{Jump, Removed, Screened, WanderingZero};

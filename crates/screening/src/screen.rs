@@ -20,6 +20,7 @@
 use trueaxis_multilateration::{Network, Settings};
 
 use crate::Error;
+use crate::guard::MOST_REMOVED;
 use crate::screened::Screened;
 use crate::search::Search;
 
@@ -33,7 +34,21 @@ const MAX_NOISE_UPDATES: usize = 5;
 /// Those of the adjustment; [`Error::TooManyGrossErrors`], [`Error::PartLost`] and
 /// [`Error::Undecidable`] if too much would have to be removed or nothing tells what.
 pub fn screen(network: &Network, declared: bool, settings: &Settings) -> Result<Screened, Error> {
-    let work = || Search::new(network, declared, settings);
+    screen_within(network, declared, MOST_REMOVED, settings)
+}
+
+/// As [`screen`], where no more than a share `most_removed` of the readings may leave: a search that would take more away is
+/// given up early.
+///
+/// # Errors
+/// Those of [`screen`].
+pub fn screen_within(
+    network: &Network,
+    declared: bool,
+    most_removed: f64,
+    settings: &Settings,
+) -> Result<Screened, Error> {
+    let work = || Search::new(network, declared, most_removed, settings);
     match screen_by(network, work()?) {
         // A zero that wanders far looks like many gross errors; cut in pieces it may be bearable.
         Err(

@@ -44,6 +44,9 @@ const MAX_ROUNDS: usize = 60;
 /// Solutions in a row that do not reach the minimum before the search ends: their tests have no meaning.
 const MOST_LOST: usize = 3;
 
+/// Share of the readings that have left in the search after which it is given up, in that which may: some come back.
+const HOPELESS: f64 = 1.5;
+
 /// A reading whose variance has grown by more plays no part.
 const WEIGHTLESS: f64 = 100.0;
 
@@ -71,6 +74,8 @@ pub(crate) struct Search<'a> {
     settings: &'a Settings,
     /// Whether the network's noise is more than a guess.
     declared: bool,
+    /// Share of the readings that may leave.
+    most_removed: f64,
     /// Readings that were far off at the start, and by how much (mm).
     far: Vec<(usize, f64)>,
     /// Readings that left because nothing checks them beside a wrong one: they do not come back.
@@ -94,6 +99,7 @@ impl<'a> Search<'a> {
     pub(crate) fn new(
         network: &Network,
         declared: bool,
+        most_removed: f64,
         settings: &'a Settings,
     ) -> Result<Self, Error> {
         let start = Start::new(network)?;
@@ -124,6 +130,7 @@ impl<'a> Search<'a> {
             largest_steps: None,
             settings,
             declared,
+            most_removed,
             far,
             unchecked: vec![false; readings],
             never_split: false,
@@ -227,16 +234,25 @@ impl<'a> Search<'a> {
     /// So many readings have lost their weight that the others do not determine the network; if none
     /// has, one that was far off did it.
     fn nothing_left(&self, error: multilateration::Error) -> Error {
+        match self.too_many(0.0) {
+            Err(too_many) => too_many,
+            Ok(()) => self.ran_away().unwrap_or(error).into(),
+        }
+    }
+
+    /// That more than this share of the readings has lost its weight.
+    fn too_many(&self, share: f64) -> Result<(), Error> {
+        let readings = self.network.readings.len();
         let factors = self.network.variance_factors.iter().enumerate();
         let without_weight = factors.filter(|&(_, &factor)| factor > WEIGHTLESS);
         let removed: Vec<usize> = without_weight.map(|(reading, _)| reading).collect();
-        if removed.is_empty() {
-            return self.ran_away().unwrap_or(error).into();
-        }
-        Error::TooManyGrossErrors {
-            removed,
-            readings: self.network.readings.len(),
-            limit: guard::MOST_REMOVED,
+        match removed.len() as f64 > share * readings as f64 {
+            true => Err(Error::TooManyGrossErrors {
+                removed,
+                readings,
+                limit: self.most_removed,
+            }),
+            false => Ok(()),
         }
     }
 
@@ -337,7 +353,7 @@ impl<'a> Search<'a> {
     /// Lets go of readings that nothing checks beside a wrong one.
     fn drop_unchecked(&mut self) -> Result<(), Error> {
         let removed = self.removed()?;
-        guard::check(&self.network, &removed)?;
+        guard::check(&self.network, &removed, self.most_removed)?;
         loop {
             let (tests, _) = self.tests()?;
             let unchecked = guard::unchecked(&self.network, &tests.readings)?;

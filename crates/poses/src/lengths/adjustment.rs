@@ -8,7 +8,7 @@ use trueaxis_multilateration::{
     self as multilateration, BlockNoise, Network, Solution, Station, adjust_as_a_set,
     solve_as_a_set,
 };
-use trueaxis_screening::{Screened, screen};
+use trueaxis_screening::{Screened, screen_within};
 
 use crate::Error;
 use crate::lengths::network::{CampaignNetwork, Group, network_from_campaign};
@@ -65,17 +65,15 @@ impl<'a> LengthsAdjustment<'a> {
         if settings.method != Method::Joint {
             network.bodies = None;
         }
-        let adjust = if settings.robust {
-            screen
-        } else {
-            Screened::plain
-        };
         let declared = campaign.instrument.declares_noise();
         let iteration = multilateration::Settings::default();
         let adjusted = adjust_as_a_set(
             &mut network,
             |screened: &Screened| &screened.solution,
-            |network| adjust(network, declared, &iteration),
+            |network| match settings.robust {
+                true => screen_within(network, declared, settings.most_removed, &iteration),
+                false => Screened::plain(network, declared, &iteration),
+            },
         );
         let screened =
             adjusted.map_err(|error| screening_error(campaign, lengths, &groups, error))?;

@@ -32,7 +32,7 @@ impl Search<'_> {
         self.merge_empty_occupations()?;
         let wandering = self.wandering_zeros()?;
         let removed = self.removed()?;
-        guard::check(&self.network, &removed)?;
+        guard::check(&self.network, &removed, self.most_removed)?;
         let without: Vec<usize> = removed.iter().map(|r| r.reading).collect();
         let (mut network, kept) = original.without(&without);
         network.interruptions = self

@@ -2,7 +2,7 @@
 
 use trueaxis_multilateration::Tests;
 
-use super::{MAX_ROUNDS, READINGS_LEVEL, Search};
+use super::{HOPELESS, MAX_ROUNDS, READINGS_LEVEL, Search};
 use crate::Error;
 use crate::robust_weights::REMOVED;
 
@@ -14,6 +14,7 @@ impl Search<'_> {
             if self.is_lost() {
                 break;
             }
+            self.too_many(HOPELESS * self.most_removed)?;
             let (tests, scale) = self.tests()?;
             if let Some(step) = self.step(&tests.readings, scale) {
                 self.split(step.station, step.first_reading);
