@@ -41,7 +41,7 @@ pub struct Cause {
     pub curve: Vec<CurvePoint>,
     /// The mean of the curve: `lost_motion_mean` is the value in the middle of the travel, where nobody may
     /// have measured.
-    pub mean_reversal: Option<EstimatedParameter>,
+    pub mean_lost_motion: Option<EstimatedParameter>,
     /// For a cause of several data: probability that chance alone lets its sizes in each scatter as much about the common one.
     pub sizes_p_value: Option<f64>,
     /// For a cause of an error curve: its share of the curve's squares.
@@ -124,7 +124,7 @@ impl Cause {
                 .flat_map(|p| p.value_um.iter().zip(&p.u_um))
                 .any(clear)
         };
-        match &self.mean_reversal {
+        match &self.mean_lost_motion {
             _ if beyond_doubt(1.0) && beyond_doubt(-1.0) => LOST_MOTION_OF_BOTH_SIGNS,
             Some(mean) => self.effect.explanation_at(mean.value),
             None => self.effect.explanation(),
@@ -134,7 +134,7 @@ impl Cause {
     /// Its parameters as they are told: of lost motion that changes along an axis its mean where it was measured.
     pub fn told_parameters(&self) -> Vec<EstimatedParameter> {
         let mut told = self.parameters.clone();
-        if let (Some(first), Some(mean)) = (told.first_mut(), &self.mean_reversal) {
+        if let (Some(first), Some(mean)) = (told.first_mut(), &self.mean_lost_motion) {
             first.clone_from(mean);
         }
         told

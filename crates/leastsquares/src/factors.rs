@@ -25,7 +25,8 @@ struct Place {
     start: usize,
 }
 
-/// The factors of up to eight blocks. Lanes without a block hold anything.
+/// The factors of up to eight blocks. Lanes without a block hold finite numbers without meaning: rows of zeros are
+/// multiplied by them.
 #[derive(Debug, Clone, Copy)]
 pub struct BatchFactors<'a> {
     /// Number of the first block.

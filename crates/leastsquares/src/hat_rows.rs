@@ -29,7 +29,7 @@ pub struct HatRows {
 }
 
 impl HatRows {
-    /// Takes the rows of the first `used` blocks of a batch, which is not eliminated yet, with their factors. Lanes from
+    /// Takes the rows of the first `used` blocks of a batch, which is not eliminated yet, with their factors, finite in all lanes. Lanes from
     /// `used` on have rows of zeros: the batch must have been told so, too ([`BlockBatch::use_only`]).
     #[inline(always)]
     pub fn fill(&mut self, batch: &BlockBatch, factors: BatchFactors<'_>, used: usize) {

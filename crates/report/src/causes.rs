@@ -292,7 +292,7 @@ fn parameters(cause: &Cause) -> String {
         |p: &&Parameter| !is_wave || !(p.name.starts_with("sine") || p.name.starts_with("cosine"));
     let parts = cause.parameters.iter().filter(is_shown).map(|parameter| {
         // The mean of a lost motion where it was measured, not in the middle of the travel.
-        let parameter = match &cause.mean_reversal {
+        let parameter = match &cause.mean_lost_motion {
             Some(mean) if parameter.name == "lost_motion_mean" => mean,
             _ => parameter,
         };

@@ -36,7 +36,7 @@ pub(crate) struct Cause {
     #[serde(default)]
     pub(crate) parameters: Vec<Parameter>,
     pub(crate) curve: Option<Vec<CurvePoint>>,
-    pub(crate) mean_reversal: Option<Parameter>,
+    pub(crate) mean_lost_motion: Option<Parameter>,
     #[serde(default)]
     pub(crate) cannot_tell_apart_from: Vec<Rival>,
     pub(crate) explained_rms_um: Option<f64>,

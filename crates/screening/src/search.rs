@@ -44,7 +44,7 @@ const MAX_ROUNDS: usize = 60;
 /// Solutions in a row that do not reach the minimum before the search ends: their tests have no meaning.
 const MOST_LOST: usize = 3;
 
-/// Share of the readings that have left in the search after which it is given up, in that which may: some come back.
+/// The search is given up when more than this many times the allowed share of the readings have left: some would come back.
 const HOPELESS: f64 = 1.5;
 
 /// A reading whose variance has grown by more plays no part.

@@ -9,7 +9,7 @@
 //!
 //! `guideway_bow` joins two sets ([`crate::components::bow`]). Periods run from twice the step, the
 //! shortest that equal steps tell from a longer one, to half the travel: what does not repeat at least
-//! twice is not called periodic. Of the waves of a turn that nobody has to look for, one whole wave suffices; a part of
+//! twice is not called periodic. Of one or two waves a turn, which nobody has to look for, a whole one suffices; a part of
 //! one is like any smooth curve, with an amplitude that may be any.
 
 use std::f64::consts::TAU;
@@ -41,6 +41,9 @@ const FREQUENCIES_PER_TRAVEL: f64 = 4.0;
 /// Times that a period must fit into the travel.
 const FEWEST_PERIODS: f64 = 2.0;
 
+/// Waves a turn that need not be looked for: what is eccentric, and what is oval.
+const KNOWN_WAVES: f64 = 2.0;
+
 /// Steps per period that tell it from a longer one.
 const STEPS_PER_PERIOD: f64 = 2.0;
 
@@ -61,11 +64,11 @@ pub(crate) fn candidates(set: &CurveSet, scene: &Scene) -> Vec<Candidate> {
         AxisKind::Rotary if along && first.is_angular() => vec![
             on_axis("encoder_eccentricity", if_whole(set, 1.0)),
             on_axis("encoder_ellipticity", if_whole(set, 2.0)),
-            on_axis("worm_gear", waves(set, 3, FEWEST_PERIODS)),
+            on_axis("worm_gear", waves(set, 3)),
         ],
         AxisKind::Rotary if along => vec![cyclic()],
-        AxisKind::Rotary if first.is_angular() => vec![on_axis("axis_wobble", waves(set, 1, 1.0))],
-        AxisKind::Rotary => vec![on_axis("axis_runout", waves(set, 1, 1.0))],
+        AxisKind::Rotary if first.is_angular() => vec![on_axis("axis_wobble", waves(set, 1))],
+        AxisKind::Rotary => vec![on_axis("axis_runout", waves(set, 1))],
     };
     let known = wanted.into_iter().filter_map(|(id, subject, shapes)| {
         Some(Candidate::new(effect(id)?, subject, shapes, scene))
@@ -133,13 +136,20 @@ fn if_whole(set: &CurveSet, waves: f64) -> Vec<f64> {
     is_whole.then_some(0.0).into_iter().collect()
 }
 
-/// Waves a turn, whole numbers from `fewest`, of which the positions show so many, while a wave has two steps.
-fn waves(set: &CurveSet, fewest: u32, shown: f64) -> Vec<f64> {
+/// Waves a turn, whole numbers from `fewest`, of which the positions show enough, while a wave has two steps.
+fn waves(set: &CurveSet, fewest: u32) -> Vec<f64> {
     let most = TAU / (STEPS_PER_PERIOD * set.step()) * (1.0 + f64::EPSILON.sqrt());
+    let enough = |waves: f64| {
+        if waves <= KNOWN_WAVES {
+            1.0
+        } else {
+            FEWEST_PERIODS
+        }
+    };
     (fewest..)
         .map(f64::from)
-        .skip_while(|&waves| waves * range(set) < shown - ROUNDING)
         .take_while(|&waves| waves <= most)
+        .filter(|&waves| waves * range(set) >= enough(waves) - ROUNDING)
         .collect()
 }
 

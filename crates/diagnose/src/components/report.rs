@@ -57,7 +57,7 @@ pub(crate) fn cause(set: &CurveSet, found: &Found, scene: &Scene) -> Cause {
 /// `s sin + c cos = A sin(… + φ)` has `A = √(s² + c²)` and `φ = atan2(c, s)`. Of two directions the
 /// point runs on an ellipse, the sum of a circle with and one against the sense of the waves; A is the
 /// sum of their radii, half its long axis. Of waves of two steps the positions show one phase, whatever the true one is, and
-/// of the amplitude what that phase has.
+/// only the part of the amplitude that is in this phase.
 fn amplitude_and_phase(
     found: &Found,
     unit: &'static str,

@@ -70,7 +70,7 @@ impl Cause {
             rivals: Vec::new(),
             changes: Vec::new(),
             curve: Vec::new(),
-            mean_reversal: None,
+            mean_lost_motion: None,
             sizes_p_value: None,
             share_of_curve: None,
             fitted: None,

@@ -31,7 +31,7 @@ pub(super) struct CauseFile<'a> {
     curve: Option<Vec<CurvePointFile>>,
     /// The mean of the curve.
     #[serde(skip_serializing_if = "Option::is_none")]
-    mean_reversal: Option<GivenParameter>,
+    mean_lost_motion: Option<GivenParameter>,
     /// Of the linear parameters, rows in their order.
     covariance: Vec<Vec<f64>>,
     cannot_tell_apart_from: Vec<RivalFile>,
@@ -150,7 +150,7 @@ impl<'a> CauseFile<'a> {
             heldout_gain: cause.heldout_gain.map(|gain| round(gain, 4)),
             parameters: cause.parameters.iter().map(estimated).collect(),
             curve: (!cause.curve.is_empty()).then(|| cause.curve.iter().map(point).collect()),
-            mean_reversal: cause.mean_reversal.as_ref().map(estimated),
+            mean_lost_motion: cause.mean_lost_motion.as_ref().map(estimated),
             covariance: rows(&cause.covariance, cause.effect.parameters.len()),
             cannot_tell_apart_from: rivals.collect(),
             separate_by: explanation.separate_by,

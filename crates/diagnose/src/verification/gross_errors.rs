@@ -42,8 +42,9 @@ const NEIGHBOURS: usize = 4;
 /// Part of what a slip is off by which the readings may stay off by.
 const STAYS: f64 = 0.5;
 
-/// The same from neighbours to those beyond them, of the first or last reading of a table. A warm-up falls most at its start, noise
-/// between two means of four is 0.7 of that of a reading, and a slip is eight of them.
+/// Part of a slip's size by which the nearest readings may differ from those beyond them, where it is the first or last of a
+/// table. A warm-up falls most at its start, noise between two means of four is 0.7 of that of a reading, and a slip is eight of
+/// them.
 const IS_ON_ITS_WAY: f64 = 0.33;
 
 /// An arrival that stands out: error and its standard uncertainty, µm.

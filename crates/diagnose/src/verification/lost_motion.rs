@@ -75,8 +75,9 @@ pub(crate) fn waves(
         .collect()
 }
 
-/// The function at the positions reached from both sides, and its mean over these, the mean reversal value (ISO 230-2): `columns`
-/// are those of the cause, `fit` is theirs, for observations of this variance. None where it is not that of a linear axis.
+/// The function at the positions reached from both sides, and its mean over these, the opposite of the mean reversal value of ISO
+/// 230-2: `columns` are those of the cause, `fit` is theirs, for observations of this variance. None where the axis of the line is
+/// not linear.
 pub(crate) fn curve(
     comparison: &Comparison<'_>,
     columns: &[Vec<f64>],
@@ -109,7 +110,7 @@ pub(crate) fn curve(
     let curve: Vec<CurvePoint> = arrivals.iter().map(point).collect();
     let (value, u) = told(&(sum / curve.len() as f64));
     let mean = EstimatedParameter {
-        name: "mean_reversal_value".to_owned(),
+        name: "mean_lost_motion".to_owned(),
         value,
         u,
         unit: "um",

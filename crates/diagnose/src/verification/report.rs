@@ -4,7 +4,7 @@ use trueaxis_effects::{Level, Scene, Subject};
 
 use crate::engine::{Chosen, Judged, Listed, places as places_by, side};
 use crate::fitted::{Against, Fitted, Row};
-use crate::selection::{Fit, Projection, combined, cosine, is_rival};
+use crate::selection::{Fit, Hypothesis, Projection, combined, cosine, is_rival};
 use crate::verification::arrivals::Arrival;
 use crate::verification::held_out::gain_of;
 use crate::verification::lost_motion::{EFFECT as CHANGING_LOST_MOTION, curve};
@@ -65,11 +65,18 @@ pub(crate) fn causes(
         base.project(&mut fitted);
         let misfit: Vec<f64> = rest.iter().zip(&fitted).map(|(a, b)| a + b).collect();
         let gain = gain_of(problem, chosen, k);
-        let changes_along = candidate.hypothesis.effect.id == CHANGING_LOST_MOTION;
+        let Hypothesis {
+            effect, subject, ..
+        } = &candidate.hypothesis;
+        let of_line = problem
+            .comparison
+            .line()
+            .is_some_and(|axis| subject.axis == Some(axis));
+        let changes_along = of_line && effect.id == CHANGING_LOST_MOTION;
         let along_it = changes_along
             .then(|| curve(problem.comparison, &columns, &sized.fit, variance))
             .flatten();
-        let (curve, mean_reversal) = along_it.unzip();
+        let (curve, mean_lost_motion) = along_it.unzip();
         causes.push(Cause {
             explained_rms_um: rms_of_readings_um(problem, &fitted),
             heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),
@@ -79,7 +86,7 @@ pub(crate) fn causes(
             ]
             .concat(),
             curve: curve.unwrap_or_default(),
-            mean_reversal,
+            mean_lost_motion,
             fitted: shown(problem, scene, &misfit, &fitted),
             ..said
         });

@@ -107,7 +107,7 @@ fn predicted_unit(comparison: &Comparison<'_>) -> Option<(f64, &'static str)> {
     let [read, predicted] = [read, predicted].map(without_mean);
     let [of_read, of_predicted] = [&read, &predicted].map(|values| dot(values, values));
     let together = dot(&read, &predicted);
-    if together * together < EXPLAINED * of_read * of_predicted {
+    if of_predicted <= 0.0 || together * together < EXPLAINED * of_read * of_predicted {
         return None;
     }
     let factor = together / of_predicted;
@@ -118,7 +118,7 @@ fn predicted_unit(comparison: &Comparison<'_>) -> Option<(f64, &'static str)> {
         .map(|(_, unit)| (factor, *unit))
 }
 
-/// Whether positions are whole or half millimetres once they are multiplied by 25.4, and are none before.
+/// Whether positions are whole or half millimetres once they are multiplied by 25.4, and not all are given to 0.01 mm before.
 fn are_inches(comparison: &Comparison<'_>) -> bool {
     if linear_range_mm(comparison).is_none() {
         return false;

@@ -12,7 +12,7 @@
 //! | axis | it grows and shrinks: the middle of its positions, and one end against the other | time | 2 | lines of linear axes |
 //! | axis | its displacement along itself | position | 1 | lines against a calibration; else the mean curve takes it |
 //! | machine | the ball, towards the centre | angle of the bar | 1 | ball bars |
-//! | axis | its lost motion | position, by side of approach | 1 | lines of rotary axes from both sides; of linear axes it is a cause |
+//! | axis | its lost motion | position, by side of approach | 1 | lines of rotary axes from both sides, beside the cause; of linear axes the cause alone |
 //!
 //! A bar that goes round once does not tell time from angle: then both are given.
 

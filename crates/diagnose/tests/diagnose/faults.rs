@@ -381,7 +381,7 @@ fn lost_motion_is_told_where_it_was_measured() {
     let diagnosis = diagnose(&campaign, &Settings::default()).unwrap();
     let cause = &diagnosis.causes[0];
     assert!(cause.parameters[0].value < -5.0, "{:?}", cause.parameters);
-    let mean = cause.mean_reversal.as_ref().unwrap();
+    let mean = cause.mean_lost_motion.as_ref().unwrap();
     assert!(
         mean.u < 0.2 && (mean.value - 6.0).abs() < 4.0 * mean.u,
         "{mean:?}"
