@@ -9,8 +9,9 @@
 //!
 //! `guideway_bow` joins two sets ([`crate::components::bow`]). Periods run from twice the step, the
 //! shortest that equal steps tell from a longer one, to half the travel: what does not repeat at least
-//! twice is not called periodic. Of one or two waves a turn, which nobody has to look for, a whole one suffices; a part of
-//! one is like any smooth curve, with an amplitude that may be any.
+//! twice is not called periodic. Waves of a turn are looked for over any part of it, and named where they show twice; of one or
+//! two a turn, which nobody has to look for, once ([`shows_its_waves`]): a part of a wave is like any smooth curve, with an
+//! amplitude that may be any.
 
 use std::f64::consts::TAU;
 
@@ -62,8 +63,8 @@ pub(crate) fn candidates(set: &CurveSet, scene: &Scene) -> Vec<Candidate> {
         }
         AxisKind::Linear => vec![cyclic()],
         AxisKind::Rotary if along && first.is_angular() => vec![
-            on_axis("encoder_eccentricity", if_whole(set, 1.0)),
-            on_axis("encoder_ellipticity", if_whole(set, 2.0)),
+            on_axis("encoder_eccentricity", vec![0.0]),
+            on_axis("encoder_ellipticity", vec![0.0]),
             on_axis("worm_gear", waves(set, 3)),
         ],
         AxisKind::Rotary if along => vec![cyclic()],
@@ -130,27 +131,30 @@ pub(crate) fn spacing(set: &CurveSet, period: f64) -> f64 {
     period * period / (FREQUENCIES_PER_TRAVEL * set.travel())
 }
 
-/// The one shape of an effect with so many waves a turn, if the positions show a whole one.
-fn if_whole(set: &CurveSet, waves: f64) -> Vec<f64> {
-    let is_whole = waves * range(set) >= 1.0 - ROUNDING;
-    is_whole.then_some(0.0).into_iter().collect()
-}
-
-/// Waves a turn, whole numbers from `fewest`, of which the positions show enough, while a wave has two steps.
+/// Whole numbers from `fewest` while a wave has two steps.
 fn waves(set: &CurveSet, fewest: u32) -> Vec<f64> {
     let most = TAU / (STEPS_PER_PERIOD * set.step()) * (1.0 + f64::EPSILON.sqrt());
-    let enough = |waves: f64| {
-        if waves <= KNOWN_WAVES {
-            1.0
-        } else {
-            FEWEST_PERIODS
-        }
-    };
     (fewest..)
         .map(f64::from)
         .take_while(|&waves| waves <= most)
-        .filter(|&waves| waves * range(set) >= enough(waves) - ROUNDING)
         .collect()
+}
+
+/// Whether the positions show enough of the waves of a turn to give them their name. Without it they still take their part of a
+/// curve, which others would share among them.
+pub(crate) fn shows_its_waves(set: &CurveSet, effect: &Effect, shape: f64) -> bool {
+    let waves = match effect.id {
+        "encoder_eccentricity" => 1.0,
+        "encoder_ellipticity" => 2.0,
+        "worm_gear" | "axis_wobble" | "axis_runout" => shape,
+        _ => return true,
+    };
+    let enough = if waves <= KNOWN_WAVES {
+        1.0
+    } else {
+        FEWEST_PERIODS
+    };
+    waves * range(set) >= enough - ROUNDING
 }
 
 /// The part of a turn that the positions go through: the last of equal steps that close the turn is the first.

@@ -7,7 +7,7 @@ use trueaxis_kinematics::AxisKind;
 use crate::cause::{Cause, Rival};
 use crate::components::background::{Background, Smooth, backgrounds, smooth_rests};
 use crate::components::bow::{BOW, OfCurve, Pair, cause_of_bow, variance_factor};
-use crate::components::candidates::{Candidate, SCALE, candidates};
+use crate::components::candidates::{Candidate, SCALE, candidates, shows_its_waves};
 use crate::components::curve_set::CurveSet;
 use crate::components::estimate::{Estimate, estimate};
 use crate::components::family::{Family, LEVEL};
@@ -103,7 +103,11 @@ impl<'a> Search<'a> {
         ];
         let mut causes: Vec<Cause> = Vec::new();
         for search in &self.sets {
-            for found in &search.found {
+            let named = search.found.iter().filter(|found| {
+                let effect = found.candidate.hypothesis.effect;
+                shows_its_waves(&search.set, effect, found.estimate.shape)
+            });
+            for found in named {
                 let mut found = found.clone();
                 // A scale is the slope of a positioning, as a bow is that of an angle.
                 if found.candidate.hypothesis.effect.id == SCALE {

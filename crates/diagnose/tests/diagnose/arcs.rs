@@ -79,6 +79,13 @@ fn a_bow_over_a_part_of_a_turn_is_no_encoder_error() {
     }
 }
 
+/// One wave and a half are not named, and no shorter ones in their place.
+#[test]
+fn a_worm_that_shows_once_has_no_name() {
+    let worm = |angle_deg: f64| 5.0 * (18.0 * angle_deg).to_radians().sin();
+    assert_eq!(names_in((30.0, 25), worm), [""; 0]);
+}
+
 /// Where they go round once, waves have their names.
 #[test]
 fn a_whole_wave_is_an_encoder_error() {
