@@ -21,6 +21,7 @@
 //! - [`between`]: a shape between two of a list.
 //! - [`search`]: lengths and points. One cause joins after the other; each is judged beside the others, gives way to a
 //!   better one, or leaves.
+//! - [`candidate`]: a hypothesis with the columns of a list of shapes, and between them.
 //! - [`listed`]: what verification and runs choose their causes from, one after the other, in a linear model.
 //! - [`smooth`]: how much a process of unknown form explains; [`mod@disturbance`]: what wanders in a course that nobody knows,
 //!   in lengths and points ([`mod@wandering`]), where it has more evidence than causes have, or is left beside them
@@ -32,6 +33,7 @@
 //! - [`estimated`]: parameters with their uncertainties, shapes included.
 
 mod between;
+mod candidate;
 mod competition;
 mod culprit;
 pub(crate) mod disturbance;
@@ -49,6 +51,7 @@ mod unseen;
 mod wandered;
 pub(crate) mod wandering;
 
+pub(crate) use candidate::{Candidate, Finer};
 pub(crate) use competition::{
     Candidates, Competed, add_rival_disturbances, compete, only_wandering, settled,
 };
@@ -56,7 +59,7 @@ pub(crate) use culprit::{Culprit, Culprits};
 pub(crate) use estimated::{cause, derivative, with_uncertainties};
 pub(crate) use held_out::{FOLDS, HeldOut, Sums, resampled_ratios, sought_again};
 pub(crate) use hypotheses::{duration_s, in_equal_ratios, is_tested, of_catalogue, scan, scans};
-pub(crate) use listed::{Beside, Candidate, Chosen, Finer, Judged, Listed, without};
+pub(crate) use listed::{Beside, Chosen, Judged, Listed, without};
 pub(crate) use measured::{Found, Measured, Suspect};
 pub(crate) use omnibus::{
     Family, MOST_OF_FREEDOM, OMNIBUS_LEVEL, Omnibus, family_wise, is_imitation, still_left,

@@ -18,17 +18,16 @@ pub fn field_line(json: &str, path: &str) -> usize {
 ///
 /// The text must be valid JSON.
 pub fn field_span(json: &str, path: &str) -> Option<Range<usize>> {
-    let (value, rest) = walk(json, path);
+    let (value, is_whole) = walk(json, path);
     let key = match segments(path).last()? {
         Segment::Key(key) => json[..value.start].rfind(&format!("\"{key}\"")),
         Segment::Index(_) => None,
     };
-    rest.is_none()
-        .then(|| key.unwrap_or(value.start)..value.end)
+    is_whole.then(|| key.unwrap_or(value.start)..value.end)
 }
 
-/// The bytes of the value as far as the path leads, and the first part of the path that is not there.
-fn walk<'p>(json: &str, path: &'p str) -> (Range<usize>, Option<Segment<'p>>) {
+/// The bytes of the value as far as the path leads, and whether that is to its end.
+fn walk(json: &str, path: &str) -> (Range<usize>, bool) {
     let begin = json.len() - json.trim_start().len();
     let mut value = begin..json.trim_end().len();
     for segment in segments(path) {
@@ -42,13 +41,13 @@ fn walk<'p>(json: &str, path: &'p str) -> (Range<usize>, Option<Segment<'p>>) {
                 .and_then(|elements: Vec<&RawValue>| elements.get(index).copied()),
         };
         let Some(inner) = inner.map(RawValue::get) else {
-            return (value, Some(segment));
+            return (value, false);
         };
         // It is borrowed from the text.
         let start = inner.as_ptr().addr() - json.as_ptr().addr();
         value = start..start + inner.len();
     }
-    (value, None)
+    (value, true)
 }
 
 enum Segment<'a> {

@@ -38,7 +38,7 @@ pub struct BatchFactors<'a> {
 }
 
 impl Factors {
-    /// No factors yet, with so many columns of `Z`, and room for batches of these numbers of unknowns.
+    /// No factors yet: room for batches with these numbers of unknowns, and `width` columns of `Z`.
     pub fn with_room(width: usize, batches: impl Iterator<Item = usize>) -> Self {
         let numbers = batches.map(|unknowns| unknowns * (unknowns + width)).sum();
         Self {
@@ -48,8 +48,8 @@ impl Factors {
         }
     }
 
-    /// Begins a batch of blocks with these numbers, of so many unknowns each. What is returned wants `R⁻¹`, columns one after
-    /// the other, and `Z`, rows one after the other, appended.
+    /// Begins a batch of blocks with these numbers and as many unknowns each. To what is returned the caller appends `R⁻¹`,
+    /// columns one after the other, and then `Z`, rows one after the other.
     #[inline(always)]
     pub fn begin(&mut self, blocks: Range<usize>, unknowns: usize) -> &mut Vec<Lanes> {
         let piece = self.pieces.len().saturating_sub(1);

@@ -159,8 +159,8 @@ fn from_points<'a>(
     let (mut points, mut found) = with_repeatability(repeatability_mm)?;
     let (squares, degrees_of_freedom) = rigidity::total(&found);
     if is_undeclared && repeatability_mm > 0.0 && degrees_of_freedom > 0 {
-        // All variances will be multiplied by what the residuals say (at least a nanometre), but this one is known (unless repeats scatter by
-        // more: then it grows with the others).
+        // All variances will be multiplied by what the residuals say (at least a nanometre), but this one is known; where
+        // repeats scatter by more it grows with the others.
         let sigma0 = (squares / degrees_of_freedom as f64).sqrt().max(1e-3);
         (points, found) = with_repeatability(repeatability_mm / sigma0)?;
     }

@@ -89,6 +89,11 @@ impl FrameRule {
         }
     }
 
+    /// Whether axis `k` has a place along itself.
+    pub(crate) fn is_placed(&self, k: usize) -> bool {
+        self.axial.column(k).amax() > 0.0
+    }
+
     /// How far each axis is along itself (a row), from how far its targets are along it in the mean; zero for axes without
     /// such a place.
     pub(crate) fn axial_places(&self, mean_shifts: &DMatrix<f64>) -> DMatrix<f64> {

@@ -27,7 +27,10 @@ pub(crate) fn settle_frame(context: &Context<'_>, frame: &FrameRule, next: &mut 
     let mut change_mm = motion.translation.norm() + motion.rotation.norm() * size_mm;
 
     let along = |k: usize| context.axis(k).direction().into_inner();
-    let shifts = (0..context.data.len()).map(|k| mean_axial_shift(context, next, k, along(k)));
+    let shifts = (0..context.data.len()).map(|k| match frame.is_placed(k) {
+        true => mean_axial_shift(context, next, k, along(k)),
+        false => 0.0,
+    });
     let places = frame.axial_places(&DMatrix::from_iterator(context.data.len(), 1, shifts));
     for (k, (values, &place_mm)) in next.axes.iter_mut().zip(&places).enumerate() {
         values.location.offset_mm += along(k) * place_mm;
@@ -70,7 +73,7 @@ fn take_out(context: &Context<'_>, motion: &SmallMotion, next: &mut State) {
     }
 }
 
-/// How far the targets of an axis are from nominal along it, in the mean.
+/// How far the targets of a rotary axis are from nominal along it, in the mean.
 fn mean_axial_shift(context: &Context<'_>, state: &State, k: usize, along: Vector3<f64>) -> f64 {
     let errors = context.errors(state);
     let mut shifts = Vec::new();

@@ -239,10 +239,13 @@ impl<'a, 's> FrameMap<'a, 's> {
 
     /// Finds the errors of the places of rotary axes along themselves, from what is left of the shifts of their targets.
     fn find_axial(&mut self, frame: &Twist) {
-        let axes = 0..self.context.data.len();
-        let left = axes.map(|k| self.axial_shift(k, frame) - self.axial.row(k));
+        let rule = &self.identified.frame;
+        let left = (0..self.context.data.len()).map(|k| match rule.is_placed(k) {
+            true => self.axial_shift(k, frame) - self.axial.row(k),
+            false => RowDVector::zeros(self.sources.count),
+        });
         let left = DMatrix::from_rows(&left.collect::<Vec<_>>());
-        self.axial += self.identified.frame.axial_places(&left);
+        self.axial += rule.axial_places(&left);
     }
 
     /// Error of the mean shift of an axis' targets along it: one row.

@@ -82,14 +82,16 @@ pub(crate) fn gross_errors(
     if rows.len() > most {
         return Vec::new();
     }
+    let without: Vec<usize> = found.iter().map(|slip| slip.arrival).collect();
+    let off = off_um(comparison, &without);
     let of_one_reading = |row: &&[Slip]| {
         let mut arrivals = row.iter().map(|slip| &comparison.arrivals[slip.arrival]);
         arrivals.all(|arrival| arrival.readings == 1)
     };
     let are_slips = |row: &&[Slip]| {
         row.len() <= MOST_IN_A_ROW
-            && !is_jump(comparison, &found, row)
-            && screen.is_alone(row, &found)
+            && !is_jump(row, &off, &without)
+            && screen.is_alone(row, &off, &without)
     };
     let rows = rows.into_iter().filter(of_one_reading).filter(are_slips);
     let mut first = 0;
@@ -182,7 +184,7 @@ impl Screen<'_> {
         tested.ln_p < (LEVEL / self.comparison.arrivals.len() as f64).ln()
     }
 
-    /// All so many in a row, those that stand out most first.
+    /// All that many arrivals in a row, those that stand out most first.
     fn tested(&self, left: &Projection, length: usize) -> Vec<Tested> {
         let all = (0..=self.comparison.arrivals.len() - length).filter_map(|first| {
             let arrivals: Vec<usize> = (first..first + length).collect();
@@ -209,18 +211,17 @@ impl Screen<'_> {
         }
     }
 
-    /// Whether, beside all others that stand out, no other arrivals explain nearly as much: which of them are wrong only the means of
-    /// their positions can tell then.
-    fn is_alone(&self, row: &[Slip], found: &[Slip]) -> bool {
-        let is_own = |slip: &Slip| row.iter().any(|own| own.arrival == slip.arrival);
-        let others = found.iter().filter(|slip| !is_own(slip));
-        let others: Vec<usize> = others.map(|slip| slip.arrival).collect();
+    /// Whether, beside all others that stand out (`found`), no other arrivals explain nearly as much: which of them are wrong only
+    /// how far they are `off` the means of their positions can tell then.
+    fn is_alone(&self, row: &[Slip], off: &[Option<f64>], found: &[usize]) -> bool {
+        let is_of_row = |arrival: usize| row.iter().any(|own| own.arrival == arrival);
+        let is_own = |slip: &Slip| is_of_row(slip.arrival);
+        let others = found.iter().copied().filter(|&arrival| !is_of_row(arrival));
+        let others: Vec<usize> = others.collect();
         let all = self.tested(&beside(&self.model, &others), row.len());
         let Some(own) = all.iter().find(|own| own.slips.iter().all(is_own)) else {
             return false;
         };
-        let without: Vec<usize> = found.iter().map(|slip| slip.arrival).collect();
-        let off = off_um(self.comparison, &without);
         let size_um = size_um(&own.slips);
         let off = |slip: &Slip| off[slip.arrival].map(|off| off.abs() > STAYS * size_um);
         let is_off = own.slips.iter().all(|slip| off(slip) == Some(true));
@@ -247,15 +248,14 @@ fn beside(model: &Projection, arrivals: &[usize]) -> Projection {
 }
 
 /// Whether the readings after a slip, or two in a row, stay where those were, or were there before. At the end of a table, where none
-/// are on one side, whether the nearest on the other are on their way: then it is the end of a warm-up or of a drift.
-fn is_jump(comparison: &Comparison<'_>, found: &[Slip], row: &[Slip]) -> bool {
+/// are on one side, whether the nearest on the other are on their way: then it is the end of a warm-up or of a drift. `off` is how far
+/// each is off the mean of its position; what was `found` to stand out says nothing of it.
+fn is_jump(row: &[Slip], off: &[Option<f64>], found: &[usize]) -> bool {
     let ([first, ..], [.., last]) = (row, row) else {
         return false;
     };
-    let without: Vec<usize> = found.iter().map(|slip| slip.arrival).collect();
-    let off = off_um(comparison, &without);
     let mean = |rows: &mut dyn Iterator<Item = usize>, nearer: usize| {
-        let kept = rows.filter(|k| !without.contains(k)).skip(nearer);
+        let kept = rows.filter(|k| !found.contains(k)).skip(nearer);
         let off: Vec<f64> = kept.take(NEIGHBOURS).filter_map(|k| off[k]).collect();
         (!off.is_empty()).then(|| off.iter().sum::<f64>() / off.len() as f64)
     };

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use crate::selection::{Fit, Projection, ln_f_test};
 use crate::verification::arrivals::is_same;
+use crate::verification::base::stands;
 use crate::verification::comparison::Comparison;
 
 /// Positions that were read twice in a cycle, at least, and as part of all.
@@ -31,10 +32,10 @@ pub(crate) fn doubt(comparison: &Comparison<'_>) -> Option<String> {
     if arrivals.iter().any(|a| !is_same(a.direction, direction)) {
         return None;
     }
-    let mut visits: BTreeMap<(u32, Vec<u64>), Vec<usize>> = BTreeMap::new();
-    for (number, arrival) in arrivals.iter().enumerate() {
-        let at = arrival.positions.iter().map(|q| q.to_bits()).collect();
-        visits.entry((arrival.cycle, at)).or_default().push(number);
+    let mut visits: BTreeMap<(u32, usize), Vec<usize>> = BTreeMap::new();
+    for (number, (arrival, stand)) in arrivals.iter().zip(stands(comparison)).enumerate() {
+        let visit = (arrival.cycle, stand);
+        visits.entry(visit).or_default().push(number);
     }
     let pairs = || {
         visits

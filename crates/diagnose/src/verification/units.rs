@@ -41,7 +41,7 @@ const LEAST_POSITIONS: usize = 3;
 /// Deviations that no linear axis or bar in use has, µm; those of a rotary axis have any radius.
 const BEYOND_MACHINES_UM: f64 = 5e3;
 
-/// A range of readings that few machines stay within, µm, over so many mm.
+/// Few machines stay within a range of the first, µm, over one of the second, mm.
 const BENEATH_MACHINES_UM: f64 = 0.5;
 const LEAST_RANGE_MM: f64 = 10.0;
 
