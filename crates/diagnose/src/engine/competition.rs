@@ -14,12 +14,13 @@ use trueaxis_effects::Layer;
 use crate::Error;
 use crate::engine::disturbance::{Wanderer, Who, With};
 use crate::engine::wandering::{
-    JudgedDisturbance, Wanders, disturbances, judge_all, least, of_wandering, wandering,
+    JudgedDisturbance, MOST, Wanders, disturbances, judge_all, least, of_wandering, one_by_one,
+    wandering, wandering_of,
 };
 use crate::engine::{
     Culprit, Culprits, Found, Omnibus, Search, Suspect, find_causes, scan, scans, settle,
 };
-use crate::selection::{DECISIVE, Hypothesis, Null, rank};
+use crate::selection::{DECISIVE, Hypothesis, Null, Projection, rank};
 
 /// Without causes and with omnibus tests above this nothing wanders that would be significant.
 const WORTH_A_LOOK: f64 = 0.05;
@@ -56,44 +57,76 @@ pub(crate) fn compete<D: Wanders>(
         return Ok(of_causes(search));
     }
     let suspects = D::suspects(&search.adjusted).to_vec();
-    let (alone, beside) = rayon::join(
-        || wandering(base, &[]),
+    let (one_by_one, beside) = rayon::join(
+        || one_by_one(base, &[]),
         || match suspects.is_empty() {
             true => Ok(Vec::new()),
             false => wandering(base, &suspects),
         },
     );
-    let (alone, beside) = (alone?, beside?);
-    if alone.is_empty() && beside.is_empty() {
+    let (one_by_one, beside) = (one_by_one?, beside?);
+    // Where causes explain all, what wanders must do it alone to be better.
+    let is_complete = !suspects.is_empty() && beside.is_empty() && search.left <= 0.0;
+    if is_complete && is_too_dear(base, &one_by_one, &search)? {
         return Ok(of_causes(search));
     }
     let alternated = |first| described(base, alternated(base, first, candidates)?, candidates);
-    let wandering_first = || alternated(alone.clone());
-    if suspects.is_empty() {
-        let only = without_causes(base, alone.clone())?;
-        return better(base, wandering_first()?, only);
-    }
-    // Where causes explain all, what wanders must do it alone to be better.
-    let is_complete = beside.is_empty() && search.left <= 0.0;
-    let (causes_first, ahead) = rayon::join(
+    let (causes_first, alone) = rayon::join(
         || match beside.is_empty() {
             true => Ok(of_causes(search)),
             false => alternated(beside),
         },
-        || (!is_complete && !alone.is_empty()).then(wandering_first),
+        || {
+            let alone = wandering_of(base, &[], &one_by_one)?;
+            let is_first = !is_complete && !alone.is_empty();
+            let ahead = is_first.then(|| alternated(alone.clone())).transpose()?;
+            Ok::<_, Error>((alone, ahead))
+        },
     );
-    let causes_first = causes_first?;
+    let (causes_first, (alone, ahead)) = (causes_first?, alone?);
     if alone.is_empty() {
         return Ok(causes_first);
     }
-    let is_complete = causes_first.wandering.is_empty() && causes_first.search.left <= 0.0;
     let only = without_causes(base, alone.clone())?;
+    let wandering_first = || ahead.map_or_else(|| alternated(alone), Ok);
+    if suspects.is_empty() {
+        return better(base, wandering_first()?, only);
+    }
+    let is_complete = causes_first.wandering.is_empty() && causes_first.search.left <= 0.0;
     let mut model = better(base, causes_first, only)?;
     if !is_complete || model.search.found.is_empty() {
-        let wandering_first = ahead.unwrap_or_else(wandering_first)?;
-        model = better(base, model, wandering_first)?;
+        model = better(base, model, wandering_first()?)?;
     }
     Ok(model)
+}
+
+/// The likelihood ratio of what is not significant beside causes that explain all, for each disturbance: what wanders alone
+/// explains no more than they do and this.
+const NOT_SIGNIFICANT: f64 = 14.0;
+
+/// What is left of what the first disturbance costs when others have joined it, at the least: hardly less was seen than
+/// what it costs alone, since what they take from it they cost themselves.
+const STILL_PAID: f64 = 0.5;
+
+/// Whether what wanders alone has less evidence than causes that explain all, whatever joins the first of disturbances
+/// judged one by one, since it costs so much more to be able to be anything.
+fn is_too_dear<D: Wanders>(
+    base: &D,
+    one_by_one: &[JudgedDisturbance],
+    search: &Search<D::Model>,
+) -> Result<bool, Error> {
+    let plain = base.adjust(Vec::new(), Some(D::noise(&search.adjusted)))?;
+    let before = D::projection(&plain);
+    let price = |(evidence, with): (f64, Projection)| {
+        before.degrees_of_freedom * (before.squares() / with.squares()).ln() - evidence
+    };
+    let of_wandering = price(of_wandering(
+        base,
+        &plain,
+        &one_by_one[..one_by_one.len().min(1)],
+    ));
+    let of_causes = price(of_model(base, &plain, &search.found, &[]));
+    Ok(STILL_PAID * of_wandering > of_causes + MOST as f64 * NOT_SIGNIFICANT)
 }
 
 /// Adds to causes the disturbances that may have been there instead: of the same thing, and with more evidence. A rival may have
@@ -187,18 +220,28 @@ fn better<D: Wanders>(
 ) -> Result<Competed<D>, Error> {
     let noises = [&first, &second].map(|m| D::noise(&m.search.adjusted));
     let plain = base.adjust(Vec::new(), least::<D>(noises.into_iter()))?;
-    let evidences = [&first, &second].map(|model| evidence(base, &plain, model));
+    let evidences = [&first, &second].map(|model| {
+        let names = model.search.found.len() + 2 * model.wandering.len();
+        let (evidence, _) = of_model(base, &plain, &model.search.found, &model.wandering);
+        evidence - DECISIVE * names.saturating_sub(1) as f64
+    });
     Ok(match evidences[1] > evidences[0] {
         true => second,
         false => first,
     })
 }
 
-/// Twice the logarithm of the marginal likelihood ratio against the model without anything, less what names cost.
-fn evidence<D: Wanders>(base: &D, plain: &D::Model, model: &Competed<D>) -> f64 {
-    let (mut sum, projection) = of_wandering(base, plain, &model.wandering);
+/// Twice the logarithm of the marginal likelihood ratio of causes and what wanders beside them against the model without
+/// anything, and the projection with all.
+fn of_model<D: Wanders>(
+    base: &D,
+    plain: &D::Model,
+    causes: &[Found],
+    wandering: &[JudgedDisturbance],
+) -> (f64, Projection) {
+    let (mut sum, projection) = of_wandering(base, plain, wandering);
     let mut adjusted = D::with(plain, projection);
-    for found in &model.search.found {
+    for found in causes {
         let hypothesis = found.suspect.hypothesis;
         if let Some(scan) = scan(base, &adjusted, D::projection(&adjusted), hypothesis) {
             let score = rank(D::projection(&adjusted), std::slice::from_ref(&scan));
@@ -208,8 +251,7 @@ fn evidence<D: Wanders>(base: &D, plain: &D::Model, model: &Competed<D>) -> f64 
             adjusted = D::with(&adjusted, extended);
         }
     }
-    let names = model.search.found.len() + 2 * model.wandering.len();
-    sum - DECISIVE * names.saturating_sub(1) as f64
+    (sum, D::projection(&adjusted).clone())
 }
 
 /// Only what wanders.

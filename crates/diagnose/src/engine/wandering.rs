@@ -126,7 +126,7 @@ pub(crate) fn wandered_mm<D: Wanders>(
 }
 
 /// More that wander at once cannot be separated.
-const MOST: usize = 3;
+pub(crate) const MOST: usize = 3;
 
 /// A size rests that changes by less than this part of itself beside the others: what it leaves hardly depends on it.
 const RESTS: f64 = 0.1;
@@ -141,16 +141,32 @@ pub(crate) struct JudgedDisturbance {
     pub(crate) rivals: Vec<Wanderer>,
 }
 
-/// What wanders beside causes. Where it would be several things of their own, it may be one that they have in common: then
-/// that is tried first, too, and the better explanation taken.
+/// What wanders beside causes.
 pub(crate) fn wandering<D: Wanders>(
+    base: &D,
+    suspects: &[Suspect],
+) -> Result<Vec<JudgedDisturbance>, Error> {
+    wandering_of(base, suspects, &one_by_one(base, suspects)?)
+}
+
+/// Each disturbance beside causes, as if it were the only one; the one with the most evidence first.
+pub(crate) fn one_by_one<D: Wanders>(
     base: &D,
     suspects: &[Suspect],
 ) -> Result<Vec<JudgedDisturbance>, Error> {
     let all = base.wanderers();
     let adjusted = base.adjust(suspects.to_vec(), None)?;
-    let judged = judge_all(base, &adjusted, &all, all.len());
-    let Some(leader) = leader(base, &judged) else {
+    Ok(judge_all(base, &adjusted, &all, all.len()))
+}
+
+/// What wanders beside causes, from disturbances judged [`one_by_one`]. Where it would be several things of their own, it may
+/// be one that they have in common: then that is tried first, too, and the better explanation taken.
+pub(crate) fn wandering_of<D: Wanders>(
+    base: &D,
+    suspects: &[Suspect],
+    judged: &[JudgedDisturbance],
+) -> Result<Vec<JudgedDisturbance>, Error> {
+    let Some(leader) = leader(base, judged) else {
         return Ok(Vec::new());
     };
     let (first, noise) = joined_by_others(base, suspects, leader)?;
