@@ -2,29 +2,45 @@
 
 use trueaxis_effects::{Level, Scene};
 
-use crate::engine::{Chosen, Listed};
+use crate::engine::Chosen;
 use crate::said::Entry;
+use crate::verification::lost_motion::{curve, shown_along};
 use crate::verification::report::rivals;
 use crate::verification::series::Series;
+use crate::verification::stack::Stack;
 use crate::verification::together::Shared;
 use crate::{Cause, Fitted};
 
-/// With the size that all series have in common, from observations of this variance; what each shows of it is to be
-/// filled in ([`join`]).
+/// With the size that the series of these numbers have in common, from observations of this variance; what each shows of it is to
+/// be filled in ([`join`]).
 pub(crate) fn joint_cause(
-    listed: &Listed<'_>,
+    stack: &Stack<'_>,
     scene: &Scene,
-    causes: &[Chosen],
-    k: usize,
+    (causes, k): (&[Chosen], usize),
+    members: impl Iterator<Item = usize>,
     variance: f64,
 ) -> Option<Cause> {
+    let listed = &stack.listed;
     let judged = listed.judge(causes, k)?;
     let sized = listed.sizes(causes).swap_remove(k);
     let u_shape = sized
         .u_shape
         .map_or(judged.score.u_shape, |u| u * variance.sqrt());
     let level = (scene, Level::Verification);
+    let hypothesis = listed.hypothesis(&causes[k]);
+    let along_it = members.flat_map(|number| {
+        let first = stack.rows(number).start;
+        let own = shown_along(stack.all[number].plain.comparison, hypothesis);
+        own.map(move |(row, at)| (first + row, at))
+    });
+    let mut along_it: Vec<(usize, f64)> = along_it.collect();
+    along_it.sort_by(|a, b| a.1.total_cmp(&b.1));
+    along_it.dedup_by(|a, b| a.1.total_cmp(&b.1).is_eq());
+    let columns = listed.columns(&causes[k..=k]);
+    let (curve, mean_lost_motion) = curve(&along_it, &columns, &sized.fit, variance).unzip();
     Some(Cause {
+        curve: curve.unwrap_or_default(),
+        mean_lost_motion,
         rivals: rivals(listed, &causes[k..=k], &judged),
         ..listed.cause(&judged, level, (&sized.fit, u_shape), variance)
     })

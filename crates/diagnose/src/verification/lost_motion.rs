@@ -12,7 +12,7 @@ use trueaxis_campaign::VerificationKind;
 use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::dense::Svd;
 
-use crate::selection::Fit;
+use crate::selection::{Fit, Hypothesis};
 use crate::verification::base::{count, places};
 use crate::verification::comparison::Comparison;
 use crate::{CurvePoint, EstimatedParameter};
@@ -75,18 +75,32 @@ pub(crate) fn waves(
         .collect()
 }
 
-/// The function at the positions reached from both sides, and its mean over these, the opposite of the mean reversal value of ISO
-/// 230-2: `columns` are those of the cause, `fit` is theirs, for observations of this variance. None where the axis of the line is
-/// not linear.
-pub(crate) fn curve(
+/// The rows and positions at which readings show how lost motion changes along their linear axis: those reached from both sides.
+pub(crate) fn shown_along(
     comparison: &Comparison<'_>,
+    cause: &Hypothesis,
+) -> impl Iterator<Item = (usize, f64)> {
+    let axis = comparison.line().filter(|&axis| {
+        cause.effect.id == EFFECT
+            && cause.subject.axis == Some(axis)
+            && comparison.machine.axes()[axis].kind() == AxisKind::Linear
+    });
+    axis.into_iter().flat_map(move |axis| {
+        let arrivals = reached_from_both_sides(comparison).into_iter();
+        arrivals.map(move |row| (row, comparison.arrivals[row].positions[axis]))
+    })
+}
+
+/// The function at some rows and positions, and its mean over these, the opposite of the mean reversal value of ISO 230-2: `columns`
+/// are those of the cause, `fit` is theirs, for observations of this variance. None without positions.
+pub(crate) fn curve(
+    shown: &[(usize, f64)],
     columns: &[Vec<f64>],
     fit: &Fit,
     variance: f64,
 ) -> Option<(Vec<CurvePoint>, EstimatedParameter)> {
-    let (axis, n) = (comparison.axis(), columns.len());
-    let arrivals = reached_from_both_sides(comparison);
-    if arrivals.is_empty() || comparison.machine.axes()[axis].kind() != AxisKind::Linear {
+    let n = columns.len();
+    if shown.is_empty() {
         return None;
     }
     let estimates = DVector::from_column_slice(&fit.estimates);
@@ -96,18 +110,17 @@ pub(crate) fn curve(
         (there.dot(&estimates), variance.max(0.0).sqrt())
     };
     let mut sum = DVector::zeros(n);
-    let point = |arrival: &usize| {
-        let unit = columns[0][*arrival];
-        let there = DVector::from_fn(n, |k, _| columns[k][*arrival] / unit);
+    let point = |&(row, at): &(usize, f64)| {
+        let there = DVector::from_fn(n, |k, _| columns[k][row] / columns[0][row]);
         sum += &there;
         let (value, u) = told(&there);
         CurvePoint {
-            at: comparison.arrivals[*arrival].positions[axis],
+            at,
             value_um: vec![value],
             u_um: vec![u],
         }
     };
-    let curve: Vec<CurvePoint> = arrivals.iter().map(point).collect();
+    let curve: Vec<CurvePoint> = shown.iter().map(point).collect();
     let (value, u) = told(&(sum / curve.len() as f64));
     let mean = EstimatedParameter {
         name: "mean_lost_motion".to_owned(),

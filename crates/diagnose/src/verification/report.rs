@@ -4,10 +4,10 @@ use trueaxis_effects::{Level, Scene, Subject};
 
 use crate::engine::{Chosen, Judged, Listed, places as places_by, side};
 use crate::fitted::{Against, Fitted, Row};
-use crate::selection::{Fit, Hypothesis, Projection, combined, cosine, is_rival};
+use crate::selection::{Fit, Projection, combined, cosine, is_rival};
 use crate::verification::arrivals::Arrival;
 use crate::verification::held_out::gain_of;
-use crate::verification::lost_motion::{EFFECT as CHANGING_LOST_MOTION, curve};
+use crate::verification::lost_motion::{curve, shown_along};
 use crate::verification::problem::Problem;
 use crate::verification::search::{contains, ln_more};
 use crate::verification::wandering::{FittedProcess, rival_disturbances};
@@ -65,18 +65,8 @@ pub(crate) fn causes(
         base.project(&mut fitted);
         let misfit: Vec<f64> = rest.iter().zip(&fitted).map(|(a, b)| a + b).collect();
         let gain = gain_of(problem, chosen, k);
-        let Hypothesis {
-            effect, subject, ..
-        } = &candidate.hypothesis;
-        let of_line = problem
-            .comparison
-            .line()
-            .is_some_and(|axis| subject.axis == Some(axis));
-        let changes_along = of_line && effect.id == CHANGING_LOST_MOTION;
-        let along_it = changes_along
-            .then(|| curve(problem.comparison, &columns, &sized.fit, variance))
-            .flatten();
-        let (curve, mean_lost_motion) = along_it.unzip();
+        let along_it: Vec<_> = shown_along(problem.comparison, &candidate.hypothesis).collect();
+        let (curve, mean_lost_motion) = curve(&along_it, &columns, &sized.fit, variance).unzip();
         causes.push(Cause {
             explained_rms_um: rms_of_readings_um(problem, &fitted),
             heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),

@@ -95,7 +95,8 @@ pub(crate) fn together(
         }
         let of_all = Sizes::new(&stack, &found, k).variances;
         let variance = of_all[usize::from(judged[k].differ())];
-        let cause = joint_cause(&stack.listed, scene, &found, k, variance)?;
+        let members = (0..all.len()).filter(|&number| candidates[number].is_some());
+        let cause = joint_cause(&stack, scene, (&found, k), members, variance)?;
         let gain = stack.gain_of(&found[k], &causes);
         let cause = Cause {
             heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),

@@ -373,21 +373,34 @@ fn lost_motion_is_a_free_function_of_the_position() {
 /// In the middle of a long travel, where nobody measured, the straight line through falling play is far below zero.
 #[test]
 fn lost_motion_is_told_where_it_was_measured() {
-    let mut campaign = campaign(vec![sides_apart(4, |x_mm| 10.0 - 0.02 * x_mm)]);
-    campaign.machine = campaign.machine.with_axes(|_, axis| {
-        let direction = axis.direction().into_inner();
-        Axis::linear(axis.name(), direction, [0.0, 2000.0]).unwrap()
-    });
-    let diagnosis = diagnose(&campaign, &Settings::default()).unwrap();
-    let cause = &diagnosis.causes[0];
-    assert!(cause.parameters[0].value < -5.0, "{:?}", cause.parameters);
-    let mean = cause.mean_lost_motion.as_ref().unwrap();
-    assert!(
-        mean.u < 0.2 && (mean.value - 6.0).abs() < 4.0 * mean.u,
-        "{mean:?}"
-    );
-    assert_eq!(cause.told_parameters()[0], *mean);
-    assert!(cause.explanation().cause.contains("worn"));
+    let falling = |x_mm: f64| 10.0 - 0.02 * x_mm;
+    let again = Verification {
+        name: "again".to_owned(),
+        ..sides_apart(5, falling)
+    };
+    for lines in [
+        vec![sides_apart(4, falling)],
+        vec![sides_apart(4, falling), again],
+    ] {
+        let files = lines.len();
+        let mut campaign = campaign(lines);
+        campaign.machine = campaign.machine.with_axes(|_, axis| {
+            let direction = axis.direction().into_inner();
+            Axis::linear(axis.name(), direction, [0.0, 2000.0]).unwrap()
+        });
+        let diagnosis = diagnose(&campaign, &Settings::default()).unwrap();
+        let cause = &diagnosis.causes[0];
+        assert_eq!((diagnosis.causes.len(), cause.data.len()), (1, files));
+        assert!(cause.parameters[0].value < -5.0, "{:?}", cause.parameters);
+        assert_eq!(cause.curve.len(), 9);
+        let mean = cause.mean_lost_motion.as_ref().unwrap();
+        assert!(
+            mean.u < 0.2 && (mean.value - 6.0).abs() < 4.0 * mean.u,
+            "{mean:?}"
+        );
+        assert_eq!(cause.told_parameters()[0], *mean);
+        assert!(cause.explanation().cause.contains("worn"));
+    }
 }
 
 /// Play has one sign; what the sides differ by otherwise is not called wear.
