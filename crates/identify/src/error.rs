@@ -108,6 +108,17 @@ pub enum Error {
         /// The cube of the longest distance between two targets, mm³.
         scale_mm3: f64,
     },
+    /// A choice of rows that is so near to singular at a step that the distortion of its points leaves no pose.
+    #[error(
+        "equations {rows} are near singular for these targets, condition number {condition:.0}: no pose gives the \
+         six coordinates that were measured"
+    )]
+    NearSingularRows {
+        /// The choice.
+        rows: SixRows,
+        /// Condition number of the centred and scaled six equations in the nominal pose.
+        condition: f64,
+    },
     /// Newton's method on a pose went astray.
     #[error(
         "no pose fits the points: after {iterations} steps from the nominal pose the next one would \

@@ -88,7 +88,8 @@ const MAX_ITERATIONS: usize = 50;
 /// # Errors
 /// Those of [`nine_weighted`] or [`SixRows::operator`]; [`Error::TargetCount`] if points and targets
 /// are not equally many, or six rows are asked of other than three; [`Error::CovarianceShape`],
-/// [`Error::CovarianceAsymmetric`], [`Error::Covariance`], [`Error::NotFinite`], [`Error::NoPose`].
+/// [`Error::CovarianceAsymmetric`], [`Error::Covariance`], [`Error::NotFinite`], [`Error::NoPose`],
+/// [`Error::NearSingularRows`].
 pub fn pose_from_points(
     step: &StepPoints<'_>,
     equations: Equations,
@@ -100,8 +101,7 @@ pub fn pose_from_points(
     loop {
         iterations += 1;
         let pivot = pose * pivot_mm;
-        let place = |target: &Point3<f64>| pose * target - pivot;
-        let levers_mm: Vec<Vector3<f64>> = step.shape_mm.iter().map(place).collect();
+        let levers_mm = step.levers_mm(&pose, &pivot_mm);
         let operator = step.operator(equations, &levers_mm)?;
         let change = operator.apply(&step.deltas_mm(&pose));
         pose = twisted(&pose, &change, &pivot);
@@ -110,6 +110,10 @@ pub fn pose_from_points(
             return step.measured(pose, operator);
         }
         if iterations == MAX_ITERATIONS {
+            if let Equations::Six(rows) = equations {
+                let condition = rows.condition(&step.levers_mm(nominal, &pivot_mm))?;
+                return Err(Error::NearSingularRows { rows, condition });
+            }
             let moved = levers_mm.iter().map(|r| change.displacement_mm(*r).norm());
             let step_mm = moved.fold(0.0, f64::max);
             return Err(Error::NoPose {
@@ -147,6 +151,13 @@ impl StepPoints<'_> {
         }
         let points: Vec<Vector3<f64>> = self.points_mm.iter().map(|p| p.coords).collect();
         require_finite("measured position", &points)
+    }
+
+    /// The generalised coordinates of the targets in a pose.
+    fn levers_mm(&self, pose: &Isometry3<f64>, pivot_mm: &Point3<f64>) -> Vec<Vector3<f64>> {
+        let pivot = pose * pivot_mm;
+        let lever = |target: &Point3<f64>| pose * target - pivot;
+        self.shape_mm.iter().map(lever).collect()
     }
 
     fn operator(

@@ -118,6 +118,14 @@ impl SixRows {
         Ok(Operator::from_scaled(r, &centred, solution))
     }
 
+    /// Condition number of the centred and scaled six equations.
+    ///
+    /// # Errors
+    /// [`Error::TooFewTargets`], [`Error::NotFinite`], [`Error::Collinear`].
+    pub(crate) fn condition(self, r: &[Vector3<f64>]) -> Result<f64, Error> {
+        Ok(condition_number(&self.select(&CentredTargets::new(r)?)))
+    }
+
     fn select(self, centred: &CentredTargets) -> Matrix6<f64> {
         let equations = centred.equations();
         let mut matrix = Matrix6::zeros();
