@@ -155,14 +155,24 @@ fn from_points<'a>(
         let found = poses_from_points(campaign, &points, method)?;
         Ok((points, found))
     };
-    let repeatability_mm = campaign.instrument.repeatability_um.unwrap_or(0.0) * MICROMETRE;
-    let (mut points, mut found) = with_repeatability(repeatability_mm)?;
+    let declared_mm = campaign.instrument.repeatability_um;
+    let declared_mm = declared_mm.map(|um| um * MICROMETRE);
+    let (mut points, mut found) = with_repeatability(declared_mm.unwrap_or(0.0))?;
     let (squares, degrees_of_freedom) = rigidity::total(&found);
-    if is_undeclared && repeatability_mm > 0.0 && degrees_of_freedom > 0 {
-        // All variances will be multiplied by what the residuals say (at least a nanometre), but this one is known; where
-        // repeats scatter by more it grows with the others.
-        let sigma0 = (squares / degrees_of_freedom as f64).sqrt().max(1e-3);
-        (points, found) = with_repeatability(repeatability_mm / sigma0)?;
+    // Undeclared, all variances will be multiplied by what the residuals say (at least a nanometre).
+    let residuals = (is_undeclared && degrees_of_freedom > 0).then_some(degrees_of_freedom as f64);
+    let unit = residuals.map_or(1.0, |degrees| (squares / degrees).max(1e-6));
+    let relative_variance = residuals.map_or(0.0, |degrees| 2.0 / degrees);
+    let by_repeats = match declared_mm {
+        // This one is known; where repeats scatter by more it grows with the others.
+        Some(known_mm) if is_undeclared => Some((known_mm * known_mm, Matrix2::zeros())),
+        Some(_) => None,
+        None => points.repeatability_by_repeats(unit, relative_variance),
+    };
+    let by_repeats = by_repeats.filter(|(variance_mm2, _)| *variance_mm2 > 0.0);
+    if let Some((variance_mm2, relative_covariance)) = by_repeats {
+        (points, found) = with_repeatability((variance_mm2 / unit).sqrt())?;
+        found.poses.relative_covariance = relative_covariance;
     }
     let mut point_residuals = found.equations.residuals(&points);
     let (adjustment, notices) = points_report(
@@ -203,9 +213,11 @@ impl Poses {
         let factor = report.uncertainty_factor.powi(2);
         self.noise.scale(factor);
         self.instrument.scale(factor);
-        if report.factor_degrees_of_freedom.is_finite() {
+        // That of an estimated repeatability is that of both.
+        let is_open = self.relative_covariance[(0, 0)] <= 0.0;
+        if is_open && report.factor_degrees_of_freedom.is_finite() {
             let variance = 2.0 / report.factor_degrees_of_freedom;
-            self.relative_covariance = Matrix2::from_element(variance);
+            self.relative_covariance += Matrix2::from_element(variance);
         }
     }
 }

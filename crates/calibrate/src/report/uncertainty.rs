@@ -2,7 +2,7 @@
 //!
 //! Each possible part of U has one entry in [`parts`]: to add one, add it there.
 
-use trueaxis_campaign::Campaign;
+use trueaxis_campaign::{Campaign, Stop};
 use trueaxis_poses::{MeasuredPoses, ScaleBasis, step_in_words};
 
 use crate::result::calibration::UncertaintyStatement;
@@ -31,7 +31,7 @@ fn parts(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Vec<Part> {
     parts.push(scale(campaign, measured));
     parts.push(nests(campaign));
     parts.extend(temperatures(campaign));
-    parts.extend(repeatability(campaign));
+    parts.extend(repeatability(campaign, measured));
     parts.extend(beyond_steps(campaign, measured));
     parts
 }
@@ -68,10 +68,13 @@ fn beyond_steps(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Option<Par
 
 /// Of points: residuals of one visit show the instrument, but not where the machine would have stood at another. Lengths
 /// from several stations, or repeats, show it.
-fn repeatability(campaign: &Campaign) -> Option<Part> {
+fn repeatability(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Option<Part> {
     let points = campaign.points.as_ref()?;
+    let poses = &measured.poses.observations;
+    let by_direction = poses.iter().any(|pose| pose.direction.is_some());
     let visits = points.stops.iter();
-    let mut visits: Vec<_> = visits.map(|s| (s.step, s.direction.sign())).collect();
+    let place = |s: &Stop| (s.step, by_direction.then(|| s.direction.sign()));
+    let mut visits: Vec<_> = visits.map(place).collect();
     visits.sort_unstable();
     let is_repeated = visits.windows(2).any(|pair| pair[0] == pair[1]);
     let is_open = campaign.instrument.repeatability_um.is_none() && !is_repeated;

@@ -263,7 +263,6 @@ impl<'a> LengthsAdjustment<'a> {
             relative_covariance: self.screened.noise.relative_covariance,
             readings: Vec::new(),
             repeatability_variance_mm2: 0.0,
-            repeat_scatter: (0.0, 0),
         }
     }
 

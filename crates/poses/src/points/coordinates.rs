@@ -6,7 +6,6 @@ use nalgebra::{DMatrix, Matrix2, Point3, Vector3};
 use trueaxis_campaign::{Campaign, Direction, Points};
 use trueaxis_kinematics::{Ideal, MICROMETRE, best_fit};
 
-use crate::points::repeats::scatter_of_repeats;
 use crate::points::{GroupReading, MeasuredPoints, PointGroup, PointNoise};
 
 /// Standard deviation of a coordinate where none is declared: the scatter then decides.
@@ -63,7 +62,6 @@ pub(crate) fn points_from_coordinates(
     let mut nominal_mm: Vec<Point3<f64>> = Vec::new();
     let mut noise = PointNoise::default();
     let mut instrument = PointNoise::default();
-    let mut repeat_scatter = (0.0, 0);
     let mut groups: Vec<PointGroup> = Vec::new();
     let mut readings: Vec<Vec<GroupReading>> = Vec::new();
     for (step, direction, samples) in samples_of_steps(points, by_direction) {
@@ -78,9 +76,6 @@ pub(crate) fn points_from_coordinates(
             nominal_mm.push(position);
             of_group.extend(sample.off_mean(place, repeatability_variance_mm2));
         }
-        let (squares, degrees) =
-            scatter_of_repeats(&of_group, samples.len(), repeatability_variance_mm2);
-        repeat_scatter = (repeat_scatter.0 + squares, repeat_scatter.1 + degrees);
         readings.push(of_group);
         let all: Vec<&Sample> = samples.values().collect();
         for (noise, variance_mm2) in [
@@ -119,7 +114,6 @@ pub(crate) fn points_from_coordinates(
         relative_covariance: Matrix2::zeros(),
         readings,
         repeatability_variance_mm2,
-        repeat_scatter,
     }
 }
 

@@ -19,9 +19,6 @@ pub(crate) struct MeasuredPoints {
     pub(crate) readings: Vec<Vec<GroupReading>>,
     /// Variance of a coordinate by the machine's repeatability, mm².
     pub(crate) repeatability_variance_mm2: f64,
-    /// Scatter of repeated points about their means in units of the declared variance, and its
-    /// degrees of freedom; nothing where lengths were measured, whose repeats the adjustment tests.
-    pub(crate) repeat_scatter: (f64, usize),
 }
 
 /// The targets of one step (and side of approach, where kept apart).

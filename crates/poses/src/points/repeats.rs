@@ -1,4 +1,4 @@
-//! Whether repeated points scatter as declared.
+//! Whether repeated points scatter as declared, and how well the machine returns where that is not.
 //!
 //! The readings of one visit of a step share the machine's repeatability error, so that their covariance along each
 //! direction is `S = diag(1/w) + ρ² [same visit]`. With `e` the readings less the means of their targets and `X` the
@@ -10,12 +10,88 @@
 //!
 //! with `κ_v = ρ² / (1 + ρ² Σ_v w)` of its visit (Sherman and Morrison). A displacement that all targets of a visit
 //! share counts once, not once for each target.
+//!
+//! An undeclared ρ is what brings the sum of the weighted squares to its expectation (C. R. Henderson, *Biometrics* 9,
+//! 226, 1953, method 1), with the variance `s²` of unit weight from the rigid triangle, that no visit as a whole enters:
+//!
+//! ```text
+//! S = Σ w e²      E S = s² ν + ρ² tr A      A_vv' = Σ_v w [v = v'] - Σ_t w_tv w_tv' / w_t      of all directions and steps
+//! var S = 2 (s⁴ ν + 2 s² ρ² tr A + ρ⁴ tr A²)
+//! ```
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix2, Vector3};
 
-use crate::points::GroupReading;
+use crate::points::{GroupReading, MeasuredPoints};
+
+impl MeasuredPoints {
+    /// χ² of the repeated readings of all steps about their means, and its degrees of freedom.
+    pub(crate) fn repeat_scatter(&self) -> (f64, usize) {
+        let groups = self.groups.iter().zip(&self.readings);
+        let of_groups = groups.map(|(group, readings)| {
+            scatter_of_repeats(
+                readings,
+                group.targets.len(),
+                self.repeatability_variance_mm2,
+            )
+        });
+        of_groups.fold((0.0, 0), |(squares, degrees), (s, d)| {
+            (squares + s, degrees + d)
+        })
+    }
+
+    /// ρ² by the repeats, mm², where these were weighed without it; `None` where none are. With it, how well the
+    /// variance `unit` of unit weight, whose relative variance is given, and ρ² are known, relative to their values.
+    pub(crate) fn repeatability_by_repeats(
+        &self,
+        unit: f64,
+        relative_variance: f64,
+    ) -> Option<(f64, Matrix2<f64>)> {
+        let (squares, degrees) = self.repeat_scatter();
+        let [trace, of_square] = self.traces_of_visits();
+        let excess = (degrees > 0).then(|| squares - unit * degrees as f64)?;
+        if excess <= 0.0 {
+            return None;
+        }
+        let variance = excess / trace;
+        let by_unit = unit * degrees as f64;
+        let of_squares =
+            2.0 * (unit * by_unit + 2.0 * unit * excess + variance * variance * of_square);
+        let own = of_squares + by_unit * by_unit * relative_variance;
+        let common = -by_unit * relative_variance / excess;
+        let relative = Matrix2::new(relative_variance, common, common, own / (excess * excess));
+        Some((variance, relative))
+    }
+
+    /// `tr A` and `tr A²`.
+    fn traces_of_visits(&self) -> [f64; 2] {
+        let (mut trace, mut of_square) = (0.0, 0.0);
+        for (group, readings) in self.groups.iter().zip(&self.readings) {
+            let visits: Vec<BTreeMap<usize, f64>> = by_visit(readings)
+                .into_values()
+                .map(|v| v.weights)
+                .collect();
+            let mut of_targets = vec![0.0; group.targets.len()];
+            visits
+                .iter()
+                .flatten()
+                .for_each(|(&t, w)| of_targets[t] += w);
+            for (v, a) in visits.iter().enumerate() {
+                for (k, b) in visits.iter().enumerate() {
+                    let own = if v == k { a.values().sum() } else { 0.0 };
+                    let shared = a
+                        .iter()
+                        .filter_map(|(t, w)| Some(w * b.get(t)? / of_targets[*t]));
+                    let element: f64 = own - shared.sum::<f64>();
+                    trace += if v == k { 3.0 * element } else { 0.0 };
+                    of_square += 3.0 * element * element;
+                }
+            }
+        }
+        [trace, of_square]
+    }
+}
 
 /// What the readings of one visit add up to.
 #[derive(Default)]
@@ -27,7 +103,7 @@ struct Visit {
 }
 
 /// χ² of the readings of one step, of `targets` targets, about their means, and its degrees of freedom.
-pub(crate) fn scatter_of_repeats(
+fn scatter_of_repeats(
     readings: &[GroupReading],
     targets: usize,
     repeatability_variance_mm2: f64,
@@ -36,12 +112,7 @@ pub(crate) fn scatter_of_repeats(
     if degrees == 0 {
         return (0.0, 0);
     }
-    let mut visits: BTreeMap<usize, Visit> = BTreeMap::new();
-    for reading in readings {
-        let visit = visits.entry(reading.visit).or_default();
-        *visit.weights.entry(reading.place).or_default() += reading.weight;
-        visit.weighted += reading.weight * reading.off_mean_mm;
-    }
+    let visits = by_visit(readings);
     let shrinkage = |visit: &Visit| {
         let sum: f64 = visit.weights.values().sum();
         repeatability_variance_mm2 / (1.0 + repeatability_variance_mm2 * sum)
@@ -72,6 +143,16 @@ pub(crate) fn scatter_of_repeats(
         squares -= explained.sum::<f64>();
     }
     (squares.max(0.0), degrees)
+}
+
+fn by_visit(readings: &[GroupReading]) -> BTreeMap<usize, Visit> {
+    let mut visits: BTreeMap<usize, Visit> = BTreeMap::new();
+    for reading in readings {
+        let visit = visits.entry(reading.visit).or_default();
+        *visit.weights.entry(reading.place).or_default() += reading.weight;
+        visit.weighted += reading.weight * reading.off_mean_mm;
+    }
+    visits
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! What measured coordinates say about their noise: the rigid triangle and the repeats test it.
 
 use trueaxis_campaign::Campaign;
+use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::chi_squared_upper_tail;
 
 use crate::Residual;
@@ -57,14 +58,22 @@ pub(crate) fn points_report(
     if let Some((factor, degrees_of_freedom, p_value)) = repeat_factor(measured, noise_declared) {
         if noise_declared {
             notices.push(format!(
-                "repeated points scatter {factor:.2} times as much as declared (p = {p_value:.1e}): declare \
-                 repeatability_um; until then all uncertainties are multiplied by {factor:.2} at least"
+                "repeated points scatter {factor:.2} times as much as sigma_um and the repeatability of the \
+                 machine explain (p = {p_value:.1e}): all uncertainties are multiplied by {factor:.2} at least"
             ));
         }
         if factor > report.uncertainty_factor {
             report.uncertainty_factor = factor;
             report.factor_degrees_of_freedom = degrees_of_freedom;
         }
+    }
+    let returns_mm = report.uncertainty_factor * measured.repeatability_variance_mm2.sqrt();
+    if campaign.instrument.repeatability_um.is_none() && returns_mm > 0.0 {
+        notices.push(format!(
+            "repeatability_um is not declared: by the repeated points the machine returns within {:.2} µm (standard \
+             deviation of a coordinate)",
+            returns_mm / MICROMETRE
+        ));
     }
     let consequence = match scaled {
         true => "all uncertainties are multiplied by this",
@@ -83,7 +92,7 @@ fn rms_mm(residuals: &[Residual]) -> f64 {
 /// How much larger than declared the scatter of repeated points is, if that is significant, with its
 /// degrees of freedom and p-value.
 fn repeat_factor(measured: &MeasuredPoints, declared: bool) -> Option<(f64, f64, f64)> {
-    let (squares, degrees_of_freedom) = measured.repeat_scatter;
+    let (squares, degrees_of_freedom) = measured.repeat_scatter();
     let degrees = degrees_of_freedom as f64;
     let p_value = chi_squared_upper_tail(squares, degrees);
     let significant = !declared || p_value < GLOBAL_TEST_LEVEL;

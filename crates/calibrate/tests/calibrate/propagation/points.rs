@@ -2,6 +2,7 @@
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
 use trueaxis_calibrate::calibrate_for_replay;
 use trueaxis_campaign::{PointReading, Points};
 use trueaxis_montecarlo::Model;
@@ -93,6 +94,22 @@ fn one_visit_without_a_declared_repeatability_is_said_to_lack_it() {
     assert!(lacks(1, None) && !lacks(2, None) && !lacks(1, Some(1.0)));
 }
 
+/// The mean of both sides of approach, as of X here, is that of two visits.
+#[test]
+fn both_sides_of_approach_are_two_visits() {
+    let mut campaign = points_campaign(simulated(&two_branches()), 1, &Isometry3::identity());
+    campaign.instrument.repeatability_um = None;
+    for by_direction in [false, true] {
+        let settings = Settings {
+            by_direction,
+            ..settings(Method::Nine)
+        };
+        let lacks = calibrate(&campaign, &settings).unwrap().uncertainty.lacks;
+        let said = lacks.iter().any(|part| part.starts_with("repeatability"));
+        assert_eq!(said, by_direction);
+    }
+}
+
 #[test]
 fn coordinates_propagate_to_everything() {
     let frame = Isometry3::new(
@@ -145,6 +162,47 @@ fn a_declared_repeatability_is_not_what_the_residuals_make_of_it() {
     for (found, expected) in undeclared.results().iter().zip(known.results()) {
         let off = found.u - expected.u;
         assert!(off.abs() <= 1e-3 * expected.u, "{:?}: {off}", found.output);
+    }
+}
+
+/// Repeats scatter by the repeatability, which all targets of a visit share, beside the instrument's noise: it was taken for
+/// more noise of each coordinate, and angles got twice their uncertainty. Some 100 visits know it to 7 %.
+#[test]
+fn repeats_tell_an_undeclared_repeatability() {
+    const SIGMA_UM: f64 = 1.0;
+    const RETURNS_UM: f64 = 3.0;
+    let mut random = ChaCha8Rng::seed_from_u64(17);
+    let mut normal = |sigma_um: f64| {
+        let sigma = Normal::new(0.0, sigma_um * MICROMETRE).unwrap();
+        Vector3::from_fn(|_, _| sigma.sample(&mut random))
+    };
+    let mut campaign = points_campaign(simulated(&two_branches()), 8, &Isometry3::identity());
+    let points = campaign.points.as_mut().unwrap();
+    for stop in &points.stops {
+        let return_mm = normal(RETURNS_UM);
+        for reading in &mut points.readings[stop.readings.clone()] {
+            reading.position_mm += return_mm + normal(SIGMA_UM);
+        }
+    }
+    let calibrated = |sigma_um: Option<f64>, repeatability_um: Option<f64>| {
+        let mut campaign = campaign.clone();
+        campaign.instrument.repeatability_um = repeatability_um;
+        for reading in &mut campaign.points.as_mut().unwrap().readings {
+            reading.sigma_um = sigma_um;
+        }
+        calibrate(&campaign, &settings(Method::Nine)).unwrap()
+    };
+    let known = calibrated(Some(SIGMA_UM), Some(RETURNS_UM));
+    for sigma_um in [None, Some(SIGMA_UM)] {
+        let found = calibrated(sigma_um, None);
+        for (found, known) in found.results().iter().zip(known.results()) {
+            let off = (found.u / known.u).ln();
+            assert!(
+                known.u <= 0.0 || off.abs() < 0.25,
+                "{:?}: {off}",
+                found.output
+            );
+        }
     }
 }
 
