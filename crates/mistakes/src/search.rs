@@ -18,6 +18,9 @@ const FITTING_MM: f64 = 20.0 * MICROMETRE;
 /// Share of the lengths that may be accidents beside a mistake.
 pub const MOST_ACCIDENTS: f64 = 0.01;
 
+/// Undoing what explains a contradiction leaves less than this of the residuals: half of their squares.
+const EXPLAINED: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
 /// Residuals within this ratio of the best fit as well.
 const ALIKE: f64 = 1.5;
 
@@ -77,22 +80,25 @@ impl Mistakes<'_> {
     /// campaign fits already with fewer steps: then only lengths at the others are wrong, and no part as a whole.
     fn explanations(&self, within: &Scope) -> Vec<Mistake> {
         let small = thinned(self.campaign);
-        let as_it_is = || (self.calibrate)(&small, false);
-        if *within == Scope::default() && as_it_is().is_ok_and(|found| found.fits()) {
+        let as_it_is = (self.calibrate)(&small, false);
+        if *within == Scope::default() && as_it_is.as_ref().is_ok_and(Trial::fits) {
             return Vec::new();
         }
+        let most_mm = as_it_is.map_or(f64::INFINITY, |found| EXPLAINED * found.rms_mm());
         let without = |scope: Scope| {
             let rest = with_lengths(&small, |stop, _| !scope.holds(&small, stop));
             match (self.calibrate)(&rest, false) {
                 Err(Refused::Contradiction) => LeftOut::Contradicts,
                 Err(Refused::Other) => LeftOut::Open,
-                Ok(_) if self.good(&rest).is_some() => LeftOut::Fits,
+                Ok(_) if self.good(&rest, most_mm).is_some() => LeftOut::Fits,
                 Ok(_) => LeftOut::Contradicts,
             }
         };
         let tried = |suspects: Vec<Mistake>| -> Vec<(f64, Mistake)> {
             let suspects = suspects.into_par_iter();
-            suspects.filter_map(|m| self.tried(&small, m)).collect()
+            suspects
+                .filter_map(|m| self.tried(&small, m, most_mm))
+                .collect()
         };
         let by_size = suspects(&small, within, without).into_iter();
         let fits = by_size.map(tried).find(|fits| !fits.is_empty());
@@ -106,22 +112,32 @@ impl Mistakes<'_> {
     }
 
     /// A mistake with the residuals that are left when it is undone, mm; `None` if the campaign does not fit then.
-    fn tried(&self, campaign: &Campaign, mut mistake: Mistake) -> Option<(f64, Mistake)> {
+    fn tried(
+        &self,
+        campaign: &Campaign,
+        mut mistake: Mistake,
+        most_mm: f64,
+    ) -> Option<(f64, Mistake)> {
         if let What::Offset { target, .. } = mistake.what {
             let others = with_lengths(campaign, |stop, reading| {
                 reading.target != target || !mistake.scope.holds(campaign, stop)
             });
-            mistake.what = measured(campaign, &self.good(&others)?, target, &mistake.scope)?;
+            mistake.what = measured(
+                campaign,
+                &self.good(&others, most_mm)?,
+                target,
+                &mistake.scope,
+            )?;
         }
-        let trial = self.good(&mistake.undone(campaign))?;
+        let trial = self.good(&mistake.undone(campaign), most_mm)?;
         Some((trial.adjustment.rms_residual_mm, mistake))
     }
 
     /// The calibration of a campaign, if nothing is left that a mistake would explain. Screening takes long where
-    /// everything contradicts everything: it is only for what fits almost.
-    fn good(&self, campaign: &Campaign) -> Option<Trial> {
+    /// everything contradicts everything: it is only for what fits almost, with residuals below `most_mm`.
+    fn good(&self, campaign: &Campaign, most_mm: f64) -> Option<Trial> {
         let mut trial = (self.calibrate)(campaign, false).ok()?;
-        if self.robust && !trial.fits() {
+        if self.robust && !trial.fits() && trial.rms_mm() < most_mm {
             trial = (self.calibrate)(campaign, true).ok()?;
         }
         let adjustment = &trial.adjustment;
@@ -132,6 +148,10 @@ impl Mistakes<'_> {
 }
 
 impl Trial {
+    fn rms_mm(&self) -> f64 {
+        self.adjustment.rms_residual_mm
+    }
+
     /// Whether the residuals are noise, more or less.
     fn fits(&self) -> bool {
         let adjustment = &self.adjustment;
