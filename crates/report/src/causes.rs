@@ -1,6 +1,7 @@
 //! The diagnosis: how the misfit splits, and each cause with where it acts.
 
 use serde::Serialize;
+use trueaxis_files::told_unit;
 
 use crate::diagnosis::{Cause, CurvePoint, Diagnosis, Fitted, Level, MisfitAt, Parameter};
 use crate::disturbances::DisturbanceView;
@@ -300,7 +301,9 @@ fn parameters(cause: &Cause) -> String {
             return format!("{:.0} waves per turn", parameter.value);
         }
         let name = parameter.name.replace('_', " ");
-        let unit = match words::unit(&parameter.unit) {
+        let (unit, size) = told_unit(parameter.value, &parameter.unit);
+        let (value, u) = (parameter.value / size, parameter.u.map(|u| u / size));
+        let unit = match words::unit(unit) {
             glued @ ("″" | "°" | "") => glued.to_owned(),
             apart => format!("\u{a0}{apart}"),
         };
@@ -309,25 +312,22 @@ fn parameters(cause: &Cause) -> String {
             "time" | "time_constant" | "period" => fixed,
             _ => signed,
         };
-        match parameter.u.filter(|u| *u > 0.0) {
+        match u.filter(|u| *u > 0.0) {
             Some(u) => {
                 let digits = decimals(2.0 * u).min(3);
                 format!(
                     "{name} {} ± {}{unit}",
-                    with_sign(parameter.value, digits),
+                    with_sign(value, digits),
                     fixed(2.0 * u, digits)
                 )
             }
             // The shortest that the steps show.
-            None if parameter.u.is_none() && parameter.name == "period" => {
-                format!("{name} at most {}{unit}", fixed(parameter.value, 1))
+            None if u.is_none() && parameter.name == "period" => {
+                format!("{name} at most {}{unit}", fixed(value, 1))
             }
-            None if parameter.u.is_none() && parameter.value == 0.0 => format!("{name} –"),
-            None if parameter.u.is_none() => format!(
-                "{name} {}{unit} (seen in part only)",
-                rough(parameter.value)
-            ),
-            None => format!("{name} {}{unit}", rough(parameter.value)),
+            None if u.is_none() && value == 0.0 => format!("{name} –"),
+            None if u.is_none() => format!("{name} {}{unit} (seen in part only)", rough(value)),
+            None => format!("{name} {}{unit}", rough(value)),
         }
     });
     parts

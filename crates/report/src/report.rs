@@ -74,6 +74,10 @@ fn render(template: &str, page: &Page<'_>) -> Result<String, minijinja::Error> {
         crate::numbers::fixed(value, decimals)
     });
     environment.add_filter("rough", crate::numbers::rough);
+    environment.add_filter("extent", |value: f64, unit: &str| {
+        let (unit, size) = trueaxis_files::told_unit(value, unit);
+        format!("{} {unit}", crate::numbers::rough(value / size))
+    });
     environment.add_filter("sentence", |text: Option<String>| {
         crate::words::sentence(&text.unwrap_or_default())
     });

@@ -2,6 +2,7 @@
 
 use trueaxis_diagnose::{CurvePoint, EstimatedParameter};
 use trueaxis_effects::{GivenSubject, ResolvedEffect, Scene};
+use trueaxis_files::told_unit;
 
 /// Coverage factor of the uncertainties that people read.
 const COVERAGE: f64 = 2.0;
@@ -37,6 +38,7 @@ fn subject(subject: &GivenSubject) -> Option<String> {
 
 /// Values with expanded uncertainties, vectors together: `shift x +3.10 ± 0.40, y … µm; at 5210 ± 8 s`.
 pub(crate) fn parameters(parameters: &[EstimatedParameter]) -> String {
+    let parameters: Vec<EstimatedParameter> = parameters.iter().map(as_told).collect();
     let mut parts: Vec<String> = Vec::new();
     let mut k = 0;
     while k < parameters.len() {
@@ -69,6 +71,17 @@ pub(crate) fn parameters(parameters: &[EstimatedParameter]) -> String {
         });
     }
     parts.join("; ")
+}
+
+/// In the unit in which it is told.
+fn as_told(parameter: &EstimatedParameter) -> EstimatedParameter {
+    let (unit, size) = told_unit(parameter.value, parameter.unit);
+    EstimatedParameter {
+        value: parameter.value / size,
+        u: parameter.u / size,
+        unit,
+        ..parameter.clone()
+    }
 }
 
 /// The ends of a free form: `+104.7 ± 5.2 µm at 0 mm, +12.0 ± 5.2 µm at -4 mm`; none without one.
@@ -141,6 +154,8 @@ pub(crate) fn unit(unit: &str) -> &'static str {
         "arcsec" => "″",
         "mm" => " mm",
         "s" => " s",
+        "days" => " days",
+        "years" => " years",
         "ms" => " ms",
         "readings" => " readings",
         "ppm" => " ppm",
@@ -153,6 +168,12 @@ pub(crate) fn unit(unit: &str) -> &'static str {
         "ppm/K" => " ppm/K",
         _ => "",
     }
+}
+
+/// A duration, or a length over which something is smooth, with its unit.
+pub(crate) fn extent(value: f64, unit: &str) -> String {
+    let (unit, size) = told_unit(value, unit);
+    format!("{} {unit}", amount(value / size, 0))
 }
 
 /// A share of one in percent; neither nothing nor all by rounding.
@@ -225,5 +246,17 @@ mod tests {
         assert_eq!(parameters(&shortest), "period at most 40.0 mm");
         let expansion = [parameter("expansion", 2.0, 0.01, "ppm")];
         assert_eq!(parameters(&expansion), "expansion +2.000 ± 0.020 ppm");
+    }
+
+    #[test]
+    fn long_times_are_not_told_in_seconds() {
+        let all = [
+            parameter("time", 864_000.0, 43_200.0, "s"),
+            parameter("time_constant", 94_672_800.0, f64::INFINITY, "s"),
+        ];
+        assert_eq!(
+            parameters(&all),
+            "at 10.0 ± 1.0 days; time constant 3.0 years"
+        );
     }
 }

@@ -87,14 +87,13 @@ fn wanders(disturbance: &Disturbance, scene: &Scene) -> Vec<String> {
     ];
     lines.extend(labelled("seen in", &disturbance.data));
     let how = match disturbance.period {
-        Some(period) => {
-            let period = in_words::amount(period, 0);
-            format!("swings with a period of {period} {}", length.unit)
-        }
+        Some(period) => format!(
+            "swings with a period of {}",
+            in_words::extent(period, length.unit)
+        ),
         None => format!(
-            "smooth over {} {}",
-            in_words::amount(length.value, 0),
-            length.unit
+            "smooth over {}",
+            in_words::extent(length.value, length.unit)
         ),
     };
     let how = format!("{how}; its curve is in diagnosis.json");

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use trueaxis_effects::Level;
+use trueaxis_files::told_unit;
 
 use crate::Unexplained;
 use crate::engine::{Omnibus, Suspect, unexplained};
@@ -25,7 +26,11 @@ pub(crate) fn unexplained_part(
         _ => part.note,
     };
     if let Some(period_s) = period_s(base, current) {
-        note += &format!(", strongest with a period of {period_s:.0} s");
+        let (unit, size_s) = told_unit(period_s, "s");
+        note += &format!(
+            ", strongest with a period of {:.0} {unit}",
+            period_s / size_s
+        );
     }
     note += &of_stations(base, current);
     if let Some((suspect, share)) = closest {

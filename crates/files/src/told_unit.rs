@@ -1,0 +1,25 @@
+//! Units in which people are told what files hold in seconds.
+
+const DAY_S: f64 = 86_400.0;
+
+const YEAR_S: f64 = 365.25 * DAY_S;
+
+/// A larger unit is taken from so many of it on.
+const LEAST: f64 = 2.0;
+
+/// The unit in which a value is told, and how many of the given unit it has: long times are told in days or years.
+///
+/// ```
+/// use trueaxis_files::told_unit;
+///
+/// assert_eq!(told_unit(5210.0, "s"), ("s", 1.0));
+/// assert_eq!(told_unit(864_000.0, "s"), ("days", 86_400.0));
+/// assert_eq!(told_unit(864_000.0, "mm"), ("mm", 1.0));
+/// ```
+pub fn told_unit(value: f64, unit: &str) -> (&str, f64) {
+    match value.abs() {
+        s if unit == "s" && s >= LEAST * YEAR_S => ("years", YEAR_S),
+        s if unit == "s" && s >= LEAST * DAY_S => ("days", DAY_S),
+        _ => (unit, 1.0),
+    }
+}
