@@ -20,7 +20,7 @@ mod with_old;
 
 use nalgebra::Point3;
 use trueaxis_files::round;
-use trueaxis_kinematics::{AxisKind, Machine};
+use trueaxis_kinematics::{AxisKind, Branch, Machine};
 use trueaxis_predict::CalibratedMachine;
 
 use crate::Error;
@@ -288,6 +288,15 @@ impl Request<'_> {
             return Err(Error::unsuitable(format, "errors over linear axes", lacks));
         }
         Ok(axes)
+    }
+
+    /// Whether targets saw what an old table did to `output` while `input` moved, the other axes at home: they stand on the
+    /// branch of `input`. What they did not see is still whole in the new errors.
+    fn is_seen(&self, input: usize, output: usize) -> bool {
+        let machine = self.machine.machine();
+        let branches = [Branch::Tool, Branch::Workpiece].map(|branch| machine.branch(branch));
+        let mut both = branches.iter();
+        both.any(|axes| axes.contains(&input) && axes.contains(&output))
     }
 
     fn name(&self, axis: usize) -> &str {

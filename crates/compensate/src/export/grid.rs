@@ -68,7 +68,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     };
     let written = match request.onto {
         [] => None,
-        [old] => Some(own.with(&read_old(old, request, &axes)?)?),
+        [old] => Some(own.with(&read_old(old, request, &axes)?, request)?),
         more => return Err(one_file(FORMAT.name, more.len())),
     };
     let Grid { nodes, values, .. } = written.as_ref().unwrap_or(&own);
@@ -206,9 +206,9 @@ struct Grid {
 }
 
 impl Grid {
-    /// The sum of two, exact at the nodes of both and between them.
-    fn with(&self, other: &Self) -> Result<Self, Error> {
-        let pairs = self.nodes.iter().zip(&other.nodes);
+    /// With what targets saw of an old one, exact at the nodes of both and between them.
+    fn with(&self, old: &Self, request: &Request<'_>) -> Result<Self, Error> {
+        let pairs = self.nodes.iter().zip(&old.nodes);
         let nodes: Vec<Vec<f64>> = pairs
             .map(|(a, b)| rising(a.iter().chain(b).copied(), SAME))
             .collect();
@@ -217,7 +217,7 @@ impl Grid {
         let at_home = vec![0.0; self.values[0].len()];
         let values = (0..rows).map(|row| {
             let node = commanded(&self.axes, &nodes, row, &at_home);
-            let (a, b) = (self.added(&node), other.added(&node));
+            let (a, b) = (self.added(&node), old.seen(&node, request));
             a.iter().zip(b).map(|(a, b)| a + b).collect()
         });
         Ok(Self {
@@ -225,6 +225,26 @@ impl Grid {
             values: values.collect(),
             nodes,
         })
+    }
+
+    /// What it adds at home, and along the line of each axis through home to those of its branch.
+    fn seen(&self, commanded: &[f64], request: &Request<'_>) -> Vec<f64> {
+        let home = vec![0.0; commanded.len()];
+        let at_home = self.added(&home);
+        let mut seen = at_home.clone();
+        for &input in &self.axes {
+            let mut along = home.clone();
+            along[input] = commanded[input];
+            let along = self.added(&along);
+            let outputs = self
+                .axes
+                .iter()
+                .filter(|&&output| request.is_seen(input, output));
+            for &output in outputs {
+                seen[output] += along[output] - at_home[output];
+            }
+        }
+        seen
     }
 
     fn added(&self, commanded: &[f64]) -> Vec<f64> {

@@ -8,7 +8,8 @@
 //! `.COM` under each axis that moves, and `*` under `ACTIVE`.
 //!
 //! Old tables ([`Request::onto`]), copied into the same columns, are contained in the new ones: the values of both at the
-//! points of both, which must then have equal distances.
+//! points of both, which must then have equal distances; those of the new one alone in the column of an axis that the targets did
+//! not see move.
 //!
 //! Source: technical manual `MANUALplus` 620 (January 2012), 6.10.3, alone, so this is experimental. Neither there nor in the
 //! pages that were found of those of TNC 306, 335, 407, 426, 430 and iTNC 530 is the sign of a value ([`TableSign`] is the
@@ -83,7 +84,15 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
             lines.push(line);
         }
         let table = match (new, old) {
-            (Some(new), Some(old)) => new.with(&old, name),
+            (Some(new), Some(mut old)) => {
+                let is_seen =
+                    |column: &str| match linear.iter().zip(&names).find(|(_, n)| **n == column) {
+                        Some((&output, _)) => request.is_seen(axis, output),
+                        None => true,
+                    };
+                old.columns.retain(|column, _| is_seen(column));
+                new.with(&old, name)
+            }
             (Some(one), None) | (None, Some(one)) => one,
             (None, None) => continue,
         };

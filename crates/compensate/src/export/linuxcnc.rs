@@ -18,6 +18,7 @@ mod matrix;
 
 use std::fmt::Write;
 
+use nalgebra::Matrix3;
 use trueaxis_files::round;
 
 use crate::Error;
@@ -85,11 +86,24 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     }
     // One axis alone has no squareness.
     let skew = Skew::new(request, FORMAT.name).ok();
-    let new = skew.as_ref().map(matrix::of_skew);
     let old = old(matrix::FILE).map(matrix::read).transpose()?;
-    let joined = match (old, new) {
-        (Some(old), Some(new)) => Some(old * new),
-        (one, other) => one.or(other),
+    let joined = match (old, &skew) {
+        (Some(old), Some(skew)) => {
+            // What the targets saw of it.
+            let is_seen = |row: usize, column: usize| {
+                let [input, output] = [column, row].map(|k| skew.axes[k]);
+                request.is_seen(input, output)
+            };
+            let cell = |row, column| {
+                if is_seen(row, column) {
+                    old[(row, column)]
+                } else {
+                    0.0
+                }
+            };
+            Some(Matrix3::from_fn(cell) * matrix::of_skew(skew))
+        }
+        (old, skew) => old.or(skew.as_ref().map(matrix::of_skew)),
     };
     if let Some(joined) = joined {
         let text = matrix::text(&request.origin(), &joined);

@@ -10,7 +10,8 @@
 //! (`levers.rs`).
 //!
 //! Tables that were active while the machine was measured ([`Request::onto`]) are contained in the new ones: what is for the same
-//! axes is added up at the points of both, others stay, products with both of their tables.
+//! axes is added up at the points of both if the targets saw what the old one did, and else is that of the new one alone; products
+//! are zero along the lines that are measured. Other tables stay, products with both of their tables.
 //!
 //! Sources: "Function Manual, Extended Functions, K3: Compensations" (840D sl, 828D; 03/2013, pages 245, 248, 249, 252), "Function
 //! Manual" (808D; 802D sl, 11/2012); the sign of `$AN_CEC` is in none of the pages that were found, so these tables are
@@ -91,13 +92,18 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     sag.products = levers.iter().map(|lever| lever.product(request)).collect();
     let trial = sag.products.first();
     let trial = trial.map(|product| trial::file(request, product));
+    let new = sag.clone();
     for file in request.onto {
         let old = read::read(file, request.machine.machine())?;
         for table in old.tables {
-            sag.add(table, request, FORMAT.name)?;
+            if !new.replaces(&table, request) {
+                sag.add(table, request, FORMAT.name)?;
+            }
         }
         for product in old.products {
-            sag.add_product(product, request, FORMAT.name)?;
+            if !new.replaces_product(&product, FORMAT.name)? {
+                sag.products.push(product);
+            }
         }
     }
     let [encoder, cross] = sag.numbered(request, FORMAT.name)?;

@@ -89,7 +89,8 @@ fn levers_leave_the_lines_alone() {
     }
 }
 
-/// What is there already stays: products of the same levers add up, others are kept with both tables.
+/// What is there already stays, but where the new products take the angle of the same axis away by the same lever: no target saw
+/// what the old one did, and the calibration has the whole angle.
 #[test]
 fn old_products_are_contained_in_the_new_ones() {
     let machine = calibrated(&scenario(THREE_AXES), false);
@@ -110,6 +111,7 @@ fn old_products_are_contained_in_the_new_ones() {
         text: text.to_owned(),
     };
     let own: Vec<ExportedFile> = levers.files[..2].to_vec();
+    let plain = made(&request(&machine));
     for (old, is_own) in [(own, true), (vec![file(foreign)], false)] {
         for asked in [true, false] {
             let alone = Request {
@@ -120,10 +122,19 @@ fn old_products_are_contained_in_the_new_ones() {
                 onto: &old,
                 ..alone
             };
+            if asked && !is_own {
+                let refused = export(Format::Sinumerik, &onto).unwrap_err().to_string();
+                // 10 mm at home, times 0.0001.
+                assert!(refused.contains("one reaches 0.0010 mm"), "{refused}");
+                continue;
+            }
             let (new, sum) = (made(&alone), made(&onto));
-            let old_alone = Export {
-                files: old.clone(),
-                ..levers.clone()
+            let old_alone = match asked {
+                true => plain.clone(),
+                false => Export {
+                    files: old.clone(),
+                    ..levers.clone()
+                },
             };
             if is_own {
                 // As many as with levers: no table twice.

@@ -13,12 +13,23 @@ const MOST_AXES: usize = 31;
 /// Values that are the same, mm.
 const SAME: f64 = 1e-6;
 
+/// A product that is less along the lines that are measured did nothing there, mm.
+const UNSEEN_MM: f64 = 1e-4;
+
 /// Two tables whose values are multiplied: an angle by the position of its axis, and a lever by that of another one.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Product {
     /// It names the other one in `$AN_CEC_MULT_BY_TABLE`.
     pub(crate) factor: Table,
     pub(crate) lever: Table,
+}
+
+impl Product {
+    /// The largest value while one of its axes moves and the other is at home.
+    fn along_lines_mm(&self) -> f64 {
+        let at_home = |one: &Table, other: &Table| (one.at(0.0) * other.largest()).abs();
+        at_home(&self.factor, &self.lever).max(at_home(&self.lever, &self.factor))
+    }
 }
 
 /// A table of a file, by its place there.
@@ -39,7 +50,7 @@ impl<'a> Placed<'a> {
 }
 
 /// All of them, and those of `$AA_ENC_COMP` among the tables.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Clone)]
 pub(crate) struct Sag {
     pub(crate) tables: Vec<Table>,
     pub(crate) products: Vec<Product>,
@@ -60,23 +71,34 @@ impl Sag {
         Ok(())
     }
 
-    /// Takes in an old product: factors of one lever add up, others stay beside each other.
-    pub(crate) fn add_product(
-        &mut self,
-        old: Product,
-        request: &Request<'_>,
+    /// Whether one of these new tables takes away all that an old one does, of which no target saw anything.
+    pub(crate) fn replaces(&self, old: &Table, request: &Request<'_>) -> bool {
+        !request.is_seen(old.input, old.output) && self.tables.iter().any(|new| new.is_like(old))
+    }
+
+    /// The same of an old product: along the line of each axis the angle or the lever is zero.
+    ///
+    /// # Errors
+    /// Where it is not zero there.
+    pub(crate) fn replaces_product(
+        &self,
+        old: &Product,
         format: &'static str,
-    ) -> Result<(), Error> {
+    ) -> Result<bool, Error> {
         let is_like =
-            |new: &&mut Product| new.factor.is_like(&old.factor) && is_same(&new.lever, &old.lever);
-        match self.products.iter_mut().find(is_like) {
-            Some(new) => {
-                let name = request.name(old.factor.input);
-                new.factor = new.factor.with(&old.factor, name, format)?;
-            }
-            None => self.products.push(old),
+            |new: &Product| new.factor.is_like(&old.factor) && new.lever.is_like(&old.lever);
+        if !self.products.iter().any(is_like) {
+            return Ok(false);
         }
-        Ok(())
+        let seen_mm = old.along_lines_mm();
+        match seen_mm < UNSEEN_MM {
+            true => Ok(true),
+            false => Err(Error::unsuitable(
+                format,
+                "old products that are zero while one axis moves alone",
+                format!("one reaches {seen_mm:.4} mm: measure the machine with it off"),
+            )),
+        }
     }
 
     /// `$AA_ENC_COMP`, and `$AN_CEC` in the order of their numbers: sums, factors, levers, of which several factors may have

@@ -54,7 +54,7 @@ impl Table {
     }
 
     /// Linear between the points, the first and the last value beyond them.
-    fn at(&self, position: f64) -> f64 {
+    pub(crate) fn at(&self, position: f64) -> f64 {
         let positions = (0..self.values.len()).map(|k| self.min + self.step * k as f64);
         let positions: Vec<f64> = positions.collect();
         interpolate(&positions, |k| self.values[k], position)
