@@ -16,7 +16,6 @@ mod old_files;
 mod sides;
 mod sinumerik;
 mod skew;
-mod with_old;
 
 use nalgebra::Point3;
 use trueaxis_files::round;

@@ -15,13 +15,12 @@ use trueaxis_kinematics::Component;
 use crate::Error;
 use crate::export::components::Components;
 use crate::export::sides::Sides;
-use crate::export::with_old::onto;
 use crate::export::{Description, EXPERIMENTAL, ExportedFile, OldFiles, Request, Tables};
 
 pub(super) const FORMAT: Description = Description {
     name: "etalon",
     text: "Etalon exchange format: all component and location errors (experimental)",
-    old_files: OldFiles::Named(&["etalon.txt"]),
+    old_files: OldFiles::None,
     sides: Sides::Mean,
     tables,
 };
@@ -31,7 +30,7 @@ const DECIMALS: usize = 12;
 
 fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let components = Components::new(request, FORMAT.name)?;
-    let axes = onto(request, &components, FORMAT.name, read::read)?.axes;
+    let axes = &components.axes;
     let notes = components.notes(request);
     let mut text = format!("// {EXPERIMENTAL}\n");
     // Writing to a String cannot fail.
@@ -41,7 +40,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     for (name, value) in axes.iter().flat_map(|axis| &axis.locations) {
         let _ = writeln!(text, "[{name}]\nVALUE = {:.DECIMALS$}", round(*value, 12));
     }
-    for axis in &axes {
+    for axis in axes {
         for component in Component::ALL {
             let name = component.name(request.name(axis.axis));
             let _ = writeln!(text, "[{name}]\nGridpoints = {{");

@@ -17,13 +17,12 @@ use trueaxis_kinematics::{AxisKind, Component};
 use crate::Error;
 use crate::export::components::Components;
 use crate::export::sides::Sides;
-use crate::export::with_old::{WithOld, onto};
 use crate::export::{Description, EXPERIMENTAL, ExportedFile, OldFiles, Request, Tables};
 
 pub(super) const FORMAT: Description = Description {
     name: "isg",
     text: "ISG kernel, Beckhoff TF5280 (ISG_CSV): all component and location errors (experimental)",
-    old_files: OldFiles::Named(&["volcomp.csv"]),
+    old_files: OldFiles::None,
     sides: Sides::Mean,
     tables,
 };
@@ -33,7 +32,6 @@ const DECIMALS: i32 = 10;
 
 fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let components = Components::new(request, FORMAT.name)?;
-    let WithOld { axes, of_the_tool } = onto(request, &components, FORMAT.name, read::read)?;
     let mut notes = components.notes(request);
     let mut text = format!("// {EXPERIMENTAL}\n");
     for note in &notes {
@@ -42,17 +40,16 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     }
     let number = |value: f64| round(value, DECIMALS).to_string();
     let mut blocks = Vec::new();
-    let locations = axes.iter().flat_map(|axis| &axis.locations);
+    let axes = &components.axes;
+    let locations: Vec<_> = axes.iter().flat_map(|axis| &axis.locations).collect();
     let mut records = 0;
-    for constants in [of_the_tool.iter().collect(), locations.collect::<Vec<_>>()] {
-        if !constants.is_empty() {
-            let names: Vec<&str> = constants.iter().map(|(name, _)| name.as_str()).collect();
-            let values: Vec<String> = constants.iter().map(|(_, value)| number(*value)).collect();
-            blocks.push(format!("{}\n{}\n", names.join(" "), values.join(" ")));
-            records += 1;
-        }
+    if !locations.is_empty() {
+        let names: Vec<&str> = locations.iter().map(|(name, _)| name.as_str()).collect();
+        let values: Vec<String> = locations.iter().map(|(_, value)| number(*value)).collect();
+        blocks.push(format!("{}\n{}\n", names.join(" "), values.join(" ")));
+        records += 1;
     }
-    for axis in &axes {
+    for axis in axes {
         let geometry = &request.machine.machine().axes()[axis.axis];
         let name = geometry.name();
         if geometry.kind() == AxisKind::Rotary {

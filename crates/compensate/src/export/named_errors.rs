@@ -25,8 +25,6 @@ pub(crate) struct NamedErrors {
     constants: BTreeMap<String, (usize, f64)>,
     /// Values that depend on an axis, as `EXX`.
     curves: BTreeMap<String, Curve>,
-    /// What the control knows of the tool, as `P0X`: no errors.
-    pub(crate) of_the_tool: Vec<(String, f64)>,
 }
 
 /// A value over the positions of an axis, rising.

@@ -7,7 +7,8 @@ use crate::export::{ExportedFile, names};
 
 /// The files of old tables, as a format names them.
 pub(super) enum OldFiles {
-    /// It has no tables.
+    /// It takes none: it has no tables, or what they did to the targets depends on the tool point that the control had, and the
+    /// angles in them, which it takes away nowhere, are whole in the new ones.
     None,
     /// One file alone may have any name.
     Named(&'static [&'static str]),
@@ -43,7 +44,7 @@ impl OldFiles {
                 Ok(of_axes.chain(of_all.map(str::to_owned)).collect())
             }
             Self::None => {
-                let lacks = "switch its skew correction off before you measure";
+                let lacks = "switch its correction off before you measure";
                 Err(Error::unsuitable(format, "no old tables", lacks))
             }
         }

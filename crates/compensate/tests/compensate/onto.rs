@@ -14,11 +14,9 @@ use trueaxis_simulate::simulate;
 use crate::controllers::control;
 use crate::{FIVE_AXES, THREE_AXES, calibrated, poses, request, request_of, scenario, tool};
 
-const FORMATS: [Format; 6] = [
+const FORMATS: [Format; 4] = [
     Format::Grid,
     Format::LinuxCnc,
-    Format::Isg,
-    Format::Etalon,
     Format::Sinumerik,
     Format::Heidenhain,
 ];
@@ -73,8 +71,8 @@ fn old(format: Format, text: &str) -> Export {
     .unwrap()
 }
 
-/// Both linear in the tables (`grid`, `sinumerik`, `heidenhain`: to the digits of the files), or in the errors (`isg`, `etalon`) or one
-/// behind the other (`linuxcnc`: files behind matrices): to the second order, some nm.
+/// Linear in the tables (`grid`, `sinumerik`, `heidenhain`: to the digits of the files), or one behind the other (`linuxcnc`: files behind
+/// matrices): to the second order, some nm.
 #[test]
 fn the_control_adds_what_was_seen_of_the_old_ones() {
     for text in [THREE_AXES, FIVE_AXES, &two_branches()] {
@@ -94,10 +92,7 @@ fn the_control_adds_what_was_seen_of_the_old_ones() {
             let mut largest: f64 = 0.0;
             let mut added: f64 = 0.0;
             for commanded in poses(&machine, 200) {
-                let old = match format {
-                    Format::Isg | Format::Etalon => old(&commanded),
-                    _ => seen(&old, machine.machine(), &commanded),
-                };
+                let old = seen(&old, machine.machine(), &commanded);
                 let [new, sum] = [&new, &sum].map(|control| control(&commanded));
                 for ((old, new), sum) in old.iter().zip(&new).zip(&sum) {
                     largest = largest.max((old + new - sum).abs());
@@ -111,10 +106,8 @@ fn the_control_adds_what_was_seen_of_the_old_ones() {
                 largest / MICROMETRE,
                 added / MICROMETRE
             );
-            // An old correction of half the size is moved along the slopes of the new errors: squareness and pitch, below
-            // 3e-4; the matrices of linuxcnc move the corrections of each other's files, too, the new along the old.
+            // The matrices of linuxcnc move the corrections of each other's files along slopes below 3e-4.
             let limit = match format {
-                Format::Isg | Format::Etalon => 0.5 * added * 3e-4,
                 Format::LinuxCnc => added * 3e-4,
                 _ => 4e-4 * MICROMETRE,
             };
@@ -127,13 +120,7 @@ fn the_control_adds_what_was_seen_of_the_old_ones() {
 #[test]
 fn what_only_the_old_ones_have_stays() {
     let machine = calibrated(&scenario(THREE_AXES), false);
-    for format in [
-        Format::LinuxCnc,
-        Format::Isg,
-        Format::Etalon,
-        Format::Sinumerik,
-        Format::Heidenhain,
-    ] {
+    for format in [Format::LinuxCnc, Format::Sinumerik, Format::Heidenhain] {
         let old = old(format, THREE_AXES);
         let one = Request {
             axis: Some(0),
@@ -178,18 +165,6 @@ fn old_tables_that_are_none_are_refused_with_their_place() {
                $AA_ENC_COMP_MIN[0,AX1]=0\n$AA_ENC_COMP_MAX[0,AX1]=440\n";
     let grid = "X,Y,Z,add_X_um,add_Y_um,add_Z_um\n0,0,0,1,1,1\n440,0,0,1,1,1\n";
     for (format, name, text, says) in [
-        (
-            Format::Isg,
-            "volcomp.csv",
-            "X EXX\n0 0\n10\n",
-            "volcomp.csv line 3",
-        ),
-        (
-            Format::Etalon,
-            "etalon.txt",
-            "[EXX]\n",
-            "the file is cut off",
-        ),
         (
             Format::Sinumerik,
             "AX_EEC.INI",
@@ -360,6 +335,12 @@ fn old_tables_that_are_none_are_refused_with_their_place() {
             "M852 I0\n",
             "marlin takes no old tables",
         ),
+        (
+            Format::Isg,
+            "volcomp.csv",
+            "X EXX\n0 0\n440 0.01\n",
+            "isg takes no old tables",
+        ),
     ] {
         let said = refused(format, name, text);
         assert!(
@@ -374,7 +355,7 @@ fn old_tables_that_are_none_are_refused_with_their_place() {
         ..request(&machine)
     };
     assert!(matches!(
-        export(Format::Isg, &request),
+        export(Format::Grid, &request),
         Err(Error::Unsuitable { .. })
     ));
     // Among others, too, and for heidenhain with the files beside the tables.
@@ -394,21 +375,4 @@ fn old_tables_that_are_none_are_refused_with_their_place() {
             "{refused}"
         );
     }
-}
-
-/// What an old file says of the tool is no error, and stays.
-#[test]
-fn the_tool_of_the_old_table_stays() {
-    let machine = calibrated(&scenario(THREE_AXES), false);
-    let old = [ExportedFile {
-        name: "volcomp.csv".to_owned(),
-        text: "P0X P0Y P0Z\n1.5 0 -120\n#\nX EXX\n0 0\n440 0.01\n".to_owned(),
-    }];
-    let onto = Request {
-        onto: &old,
-        ..request(&machine)
-    };
-    let export = export(Format::Isg, &onto).unwrap();
-    let text = &export.files[0].text;
-    assert!(text.contains("\nP0X P0Y P0Z\n1.5 0 -120\n#\n"), "{text}");
 }

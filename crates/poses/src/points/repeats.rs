@@ -50,8 +50,8 @@ impl MeasuredPoints {
     ) -> Option<(f64, Matrix2<f64>)> {
         let (squares, degrees) = self.repeat_scatter();
         let [trace, of_square] = self.traces_of_visits();
-        let excess = (degrees > 0).then(|| squares - unit * degrees as f64)?;
-        if excess <= 0.0 {
+        let excess = squares - unit * degrees as f64;
+        if degrees == 0 || excess <= 0.0 {
             return None;
         }
         let variance = excess / trace;

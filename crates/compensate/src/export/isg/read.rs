@@ -96,9 +96,7 @@ fn row(
     }
     for (place, (name, &value)) in header.names.iter().zip(&values).enumerate() {
         match header.argument {
-            None if OF_THE_TOOL.contains(&name.as_str()) => {
-                read.of_the_tool.push((name.clone(), value));
-            }
+            None if OF_THE_TOOL.contains(&name.as_str()) => {}
             None => read.add_constant(number, name, value)?,
             Some(of) if of == place => {}
             Some(of) => read.add_point(number, name, (values[of], value))?,
