@@ -23,6 +23,7 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
         Some(path) => old_tables(&machine, format, path)?,
     };
     let request = Request {
+        format,
         machine: &machine,
         at,
         axis: axis.transpose()?,
@@ -32,7 +33,7 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
         onto: &old,
     };
     let folder = args.onto.as_deref().map_or(Path::new(""), folder_of);
-    let tables = export(format, &request).map_err(|error| in_folder(error, folder))?;
+    let tables = export(&request).map_err(|error| in_folder(error, folder))?;
     say_all(source(&machine));
     say_all(announced(&machine, &tables.announcement));
     say_all(tables.notes.iter().map(|note| format!("  {note}")));

@@ -148,17 +148,3 @@ pub enum Error {
         most: f64,
     },
 }
-
-impl Error {
-    pub(crate) fn unsuitable(
-        format: &'static str,
-        takes: &'static str,
-        lacks: impl Into<String>,
-    ) -> Self {
-        Self::Unsuitable {
-            format,
-            takes,
-            lacks: lacks.into(),
-        }
-    }
-}

@@ -107,6 +107,8 @@ struct Description {
     text: &'static str,
     old_files: OldFiles,
     sides: Sides,
+    /// Whether the rule of the control is known from one source alone, or in part.
+    is_experimental: bool,
     tables: fn(&Request<'_>) -> Result<Tables, Error>,
 }
 
@@ -114,15 +116,10 @@ struct Description {
 const EXPERIMENTAL: &str =
     "EXPERIMENTAL: not all of the rule of the control is public; check one measured line";
 
-/// The error for a format of one file that got more.
-fn one_file(format: &'static str, found: usize) -> Error {
-    Error::unsuitable(format, "one old file", format!("{found} were given"))
-}
-
 /// Refuses a table with more points than the control holds.
 fn check_points(
+    request: &Request<'_>,
     what: impl FnOnce() -> String,
-    format: &'static str,
     points: usize,
     most: usize,
 ) -> Result<(), Error> {
@@ -130,7 +127,7 @@ fn check_points(
         true => Ok(()),
         false => Err(Error::TooManyPoints {
             what: what(),
-            format,
+            format: request.format.name(),
             points,
             most,
         }),
@@ -140,6 +137,8 @@ fn check_points(
 /// What is asked for.
 #[derive(Debug, Clone, Copy)]
 pub struct Request<'a> {
+    /// The format.
+    pub format: Format,
     /// The machine.
     pub machine: &'a CalibratedMachine,
     /// The tool point in the reference frame at home, mm: one-dimensional tables are right for the lines along which
@@ -226,7 +225,6 @@ type Rule = dyn Fn(&[f64]) -> Result<Vec<f64>, Error>;
 pub(crate) struct Tables {
     files: Vec<ExportedFile>,
     notes: Vec<String>,
-    is_experimental: bool,
     rule: Box<Rule>,
 }
 
@@ -234,29 +232,24 @@ pub(crate) struct Tables {
 ///
 /// # Errors
 /// What the control cannot hold, with the numbers: [`Error`].
-pub fn export(format: Format, request: &Request<'_>) -> Result<Export, Error> {
-    let description = format.description_of();
-    let machine = request.machine.machine();
-    description
-        .old_files
-        .check(description.name, machine, request.onto)?;
-    if request.sign.is_some() && format != Format::Heidenhain {
+pub fn export(request: &Request<'_>) -> Result<Export, Error> {
+    let description = request.format.description_of();
+    description.old_files.check(request)?;
+    if request.sign.is_some() && request.format != Format::Heidenhain {
         let lacks = format!("only {} leaves that choice", Format::Heidenhain.name());
-        return Err(Error::unsuitable(format.name(), "no sign", lacks));
+        return Err(request.unsuitable("no sign", lacks));
     }
-    if request.levers && format != Format::Sinumerik {
+    if request.levers && request.format != Format::Sinumerik {
         let lacks = format!("only {} multiplies tables", Format::Sinumerik.name());
-        return Err(Error::unsuitable(format.name(), "no levers", lacks));
+        return Err(request.unsuitable("no levers", lacks));
     }
     let mut tables = (description.tables)(request)?;
-    tables
-        .notes
-        .extend(description.sides.note(request, description.name));
+    tables.notes.extend(description.sides.note(request));
     Ok(Export {
         announcement: Announcement::new(request, &tables.rule)?,
         files: tables.files,
         notes: tables.notes,
-        is_experimental: tables.is_experimental,
+        is_experimental: description.is_experimental,
     })
 }
 
@@ -278,13 +271,13 @@ impl Request<'_> {
     }
 
     /// Those of them that are linear, of which the format wants one at least.
-    fn linear_axes(&self, format: &'static str) -> Result<Vec<usize>, Error> {
+    fn linear_axes(&self) -> Result<Vec<usize>, Error> {
         let all = self.machine.machine().axes();
         let mut axes = self.axes()?;
         axes.retain(|&axis| all[axis].kind() == AxisKind::Linear);
         if axes.is_empty() {
             let lacks = "none of those asked for is linear and was measured";
-            return Err(Error::unsuitable(format, "errors over linear axes", lacks));
+            return Err(self.unsuitable("errors over linear axes", lacks));
         }
         Ok(axes)
     }
@@ -296,6 +289,21 @@ impl Request<'_> {
         let branches = [Branch::Tool, Branch::Workpiece].map(|branch| machine.branch(branch));
         let mut both = branches.iter();
         both.any(|axes| axes.contains(&input) && axes.contains(&output))
+    }
+
+    /// The error for what the format cannot hold.
+    fn unsuitable(&self, takes: &'static str, lacks: impl Into<String>) -> Error {
+        Error::Unsuitable {
+            format: self.format.name(),
+            takes,
+            lacks: lacks.into(),
+        }
+    }
+
+    /// The error for a format of one file that got more.
+    fn one_file(&self) -> Error {
+        let found = self.onto.len();
+        self.unsuitable("one old file", format!("{found} were given"))
     }
 
     fn name(&self, axis: usize) -> &str {

@@ -32,7 +32,7 @@ pub(crate) struct AxisComponents {
 }
 
 impl Components {
-    pub(crate) fn new(request: &Request<'_>, format: &'static str) -> Result<Self, Error> {
+    pub(crate) fn new(request: &Request<'_>) -> Result<Self, Error> {
         let calibrated: &CalibratedMachine = request.machine;
         let machine = calibrated.machine();
         let other = machine
@@ -41,11 +41,7 @@ impl Components {
             .find(|axis| !NAMES.contains(&axis.name()));
         if let Some(axis) = other {
             let lacks = format!("this machine has an axis {}", axis.name());
-            return Err(Error::unsuitable(
-                format,
-                "axes named X, Y, Z, A, B, C",
-                lacks,
-            ));
+            return Err(request.unsuitable("axes named X, Y, Z, A, B, C", lacks));
         }
         // A shift that is there at home is the zero of the control, unless rotary axes show it.
         let all_linear = machine

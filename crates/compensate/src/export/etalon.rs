@@ -22,6 +22,7 @@ pub(super) const FORMAT: Description = Description {
     text: "Etalon exchange format: all component and location errors (experimental)",
     old_files: OldFiles::None,
     sides: Sides::Mean,
+    is_experimental: true,
     tables,
 };
 
@@ -29,7 +30,7 @@ pub(super) const FORMAT: Description = Description {
 const DECIMALS: usize = 12;
 
 fn tables(request: &Request<'_>) -> Result<Tables, Error> {
-    let components = Components::new(request, FORMAT.name)?;
+    let components = Components::new(request)?;
     let axes = &components.axes;
     let notes = components.notes(request);
     let mut text = format!("// {EXPERIMENTAL}\n");
@@ -55,7 +56,6 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     Ok(Tables {
         files: vec![ExportedFile::new("etalon.txt", text)],
         notes,
-        is_experimental: true,
         rule: Box::new(move |commanded| components.added(commanded)),
     })
 }

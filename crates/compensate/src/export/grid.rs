@@ -14,7 +14,7 @@ use crate::export::line::positions;
 use crate::export::named_errors::wrong;
 use crate::export::sides::Sides;
 use crate::export::{
-    Description, ExportedFile, OldFiles, Request, Tables, check_points, csv, one_file, rising,
+    Description, ExportedFile, OldFiles, Request, Tables, check_points, csv, rising,
 };
 use crate::{Error, Moved, correct};
 
@@ -23,6 +23,7 @@ pub(super) const FORMAT: Description = Description {
     text: "Neutral CSV of error vectors and corrections over the linear axes",
     old_files: OldFiles::Named(&["grid.csv"]),
     sides: Sides::Mean,
+    is_experimental: false,
     tables,
 };
 
@@ -33,11 +34,11 @@ const SAME: f64 = 1e-6;
 const MOST_ROWS: usize = 1_000_000;
 
 fn tables(request: &Request<'_>) -> Result<Tables, Error> {
-    let axes = request.linear_axes(FORMAT.name)?;
+    let axes = request.linear_axes()?;
     let nodes = axes.iter().map(|&axis| positions(request, axis));
     let nodes = nodes.collect::<Result<Vec<_>, _>>()?;
     let rows = nodes.iter().map(Vec::len).product();
-    check_rows(rows)?;
+    check_rows(request, rows)?;
     let machine = request.machine.machine();
     let at_home = vec![0.0; machine.axes().len()];
     let added = |commanded: &[f64]| -> Result<Vec<f64>, Error> {
@@ -69,7 +70,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let written = match request.onto {
         [] => None,
         [old] => Some(own.with(&read_old(old, request, &axes)?, request)?),
-        more => return Err(one_file(FORMAT.name, more.len())),
+        _ => return Err(request.one_file()),
     };
     let Grid { nodes, values, .. } = written.as_ref().unwrap_or(&own);
 
@@ -103,13 +104,12 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
                 .to_owned(),
             request.origin(),
         ],
-        is_experimental: false,
         rule: Box::new(move |commanded| Ok(own.added(commanded))),
     })
 }
 
-fn check_rows(rows: usize) -> Result<(), Error> {
-    check_points(|| "the grid".to_owned(), FORMAT.name, rows, MOST_ROWS)
+fn check_rows(request: &Request<'_>, rows: usize) -> Result<(), Error> {
+    check_points(request, || "the grid".to_owned(), rows, MOST_ROWS)
 }
 
 /// The node of a row, the first axis fastest.
@@ -213,7 +213,7 @@ impl Grid {
             .map(|(a, b)| rising(a.iter().chain(b).copied(), SAME))
             .collect();
         let rows = nodes.iter().map(Vec::len).product();
-        check_rows(rows)?;
+        check_rows(request, rows)?;
         let at_home = vec![0.0; self.values[0].len()];
         let values = (0..rows).map(|row| {
             let node = commanded(&self.axes, &nodes, row, &at_home);

@@ -41,6 +41,7 @@ pub(super) const FORMAT: Description = Description {
         beside: &[ASSIGNMENT, README],
     },
     sides: Sides::Columns,
+    is_experimental: true,
     tables,
 };
 
@@ -64,9 +65,9 @@ const SAME: f64 = 1e-6;
 
 fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let sign = request.sign.ok_or(Error::NoSign {
-        format: FORMAT.name,
+        format: request.format.name(),
     })?;
-    let asked = request.linear_axes(FORMAT.name)?;
+    let asked = request.linear_axes()?;
     let axes = request.machine.machine().axes();
     let mut linear: Vec<usize> = (0..axes.len()).collect();
     linear.retain(|&axis| axes[axis].kind() == AxisKind::Linear);
@@ -79,7 +80,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         let old = old.map(|old| Com::read(old, &names)).transpose()?;
         let mut new = None;
         if asked.contains(&axis) {
-            let line = Line::new(request, axis, FORMAT.name)?;
+            let line = Line::new(request, axis)?;
             new = Some(Com::new(request, &line, &linear, sign));
             lines.push(line);
         }
@@ -97,8 +98,8 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
             (None, None) => continue,
         };
         let what = || format!("axis {name}");
-        check_points(what, FORMAT.name, table.positions.len(), MOST_POINTS)?;
-        spacing(request, axis, &table.positions, FORMAT.name)?;
+        check_points(request, what, table.positions.len(), MOST_POINTS)?;
+        spacing(request, axis, &table.positions)?;
         files.push(ExportedFile::new(file, table.text()));
         moving.push(name);
     }
@@ -115,7 +116,6 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     Ok(Tables {
         files,
         notes,
-        is_experimental: true,
         rule: Sums::new(request, lines).rule(),
     })
 }

@@ -24,6 +24,7 @@ pub(super) const FORMAT: Description = Description {
     text: "ISG kernel, Beckhoff TF5280 (ISG_CSV): all component and location errors (experimental)",
     old_files: OldFiles::None,
     sides: Sides::Mean,
+    is_experimental: true,
     tables,
 };
 
@@ -31,7 +32,7 @@ pub(super) const FORMAT: Description = Description {
 const DECIMALS: i32 = 10;
 
 fn tables(request: &Request<'_>) -> Result<Tables, Error> {
-    let components = Components::new(request, FORMAT.name)?;
+    let components = Components::new(request)?;
     let mut notes = components.notes(request);
     let mut text = format!("// {EXPERIMENTAL}\n");
     for note in &notes {
@@ -73,7 +74,6 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     Ok(Tables {
         files: vec![ExportedFile::new("volcomp.csv", text)],
         notes,
-        is_experimental: true,
         rule: Box::new(move |commanded| components.added(commanded)),
     })
 }

@@ -19,6 +19,7 @@ pub(super) const FORMAT: Description = Description {
     text: "Klipper: SET_SKEW",
     old_files: OldFiles::None,
     sides: Sides::Elsewhere,
+    is_experimental: false,
     tables,
 };
 
@@ -26,7 +27,7 @@ pub(super) const FORMAT: Description = Description {
 const SIDE_MM: f64 = 100.0;
 
 fn tables(request: &Request<'_>) -> Result<Tables, Error> {
-    let skew = Skew::new(request, FORMAT.name)?;
+    let skew = Skew::new(request)?;
     let factors = skew.factors();
     let lengths = factors.map(|factor| {
         let cosine = factor.atan().sin();
@@ -44,7 +45,6 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
             "squareness alone, as AC, BD, AD of a square of 100 mm; needs [skew_correction]; SAVE_CONFIG keeps it".to_owned(),
             request.origin(),
         ],
-        is_experimental: false,
         rule: Box::new(move |commanded| Ok(skew.added(factors, commanded))),
     })
 }

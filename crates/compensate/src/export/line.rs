@@ -31,11 +31,7 @@ pub(crate) struct Line {
 
 impl Line {
     /// At the steps of the axis, or at the spacing that is asked for.
-    pub(crate) fn new(
-        request: &Request<'_>,
-        axis: usize,
-        format: &'static str,
-    ) -> Result<Self, Error> {
+    pub(crate) fn new(request: &Request<'_>, axis: usize) -> Result<Self, Error> {
         let positions = positions(request, axis)?;
         let home = deviations(request, request.machine, axis, 0.0);
         let from = |direction| {
@@ -57,7 +53,7 @@ impl Line {
             backward: from(Direction::Backward),
             positions,
         };
-        line.check_slopes(request, format)?;
+        line.check_slopes(request)?;
         Ok(line)
     }
 
@@ -96,15 +92,11 @@ impl Line {
     }
 
     /// The distance of the positions, which must be one.
-    pub(crate) fn spacing(
-        &self,
-        request: &Request<'_>,
-        format: &'static str,
-    ) -> Result<f64, Error> {
-        spacing(request, self.axis, &self.positions, format)
+    pub(crate) fn spacing(&self, request: &Request<'_>) -> Result<f64, Error> {
+        spacing(request, self.axis, &self.positions)
     }
 
-    fn check_slopes(&self, request: &Request<'_>, format: &'static str) -> Result<(), Error> {
+    fn check_slopes(&self, request: &Request<'_>) -> Result<(), Error> {
         let own = [&self.forward, &self.backward]
             .into_iter()
             .flat_map(|side| {
@@ -117,7 +109,7 @@ impl Line {
         }
         Err(Error::Slope {
             axis: request.name(self.axis).to_owned(),
-            format,
+            format: request.format.name(),
             slope,
             most: STEEPEST,
         })
@@ -139,12 +131,7 @@ pub(crate) fn interpolate(positions: &[f64], value: impl Fn(usize) -> f64, posit
 }
 
 /// The distance of positions of an axis (mm or rad, rising), which must be one.
-pub(crate) fn spacing(
-    request: &Request<'_>,
-    axis: usize,
-    positions: &[f64],
-    format: &'static str,
-) -> Result<f64, Error> {
+pub(crate) fn spacing(request: &Request<'_>, axis: usize, positions: &[f64]) -> Result<f64, Error> {
     let gaps = positions.windows(2).map(|pair| pair[1] - pair[0]);
     let least = gaps.clone().fold(f64::INFINITY, f64::min);
     let most = gaps.fold(0.0, f64::max);
@@ -153,7 +140,7 @@ pub(crate) fn spacing(
     }
     Err(Error::UnequalSteps {
         axis: request.name(axis).to_owned(),
-        format,
+        format: request.format.name(),
         least: request.in_file(axis, least),
         most: request.in_file(axis, most),
         unit: request.unit(axis),

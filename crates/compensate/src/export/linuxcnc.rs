@@ -38,6 +38,7 @@ pub(super) const FORMAT: Description = Description {
         beside: &[],
     },
     sides: Sides::Columns,
+    is_experimental: false,
     tables,
 };
 
@@ -65,7 +66,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         let name = format!("{}{ENDING}", request.name(axis));
         let old = old(&name).map(triplets).transpose()?;
         let is_asked = asked.contains(&axis);
-        let new = is_asked.then(|| Line::new(request, axis, FORMAT.name));
+        let new = is_asked.then(|| Line::new(request, axis));
         let new = new.transpose()?;
         let triplets = match (&new, old) {
             (Some(line), old) => summed(request, line, &old.unwrap_or_default()),
@@ -74,7 +75,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
             (None, None) => continue,
         };
         let what = || format!("axis {}", request.name(axis));
-        check_points(what, FORMAT.name, triplets.len(), MOST_LINES)?;
+        check_points(request, what, triplets.len(), MOST_LINES)?;
         let mut text = String::new();
         for triplet in triplets {
             let [nominal, forward, backward] = triplet.map(|x| round(x, 7));
@@ -85,7 +86,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         lines.extend(new);
     }
     // One axis alone has no squareness.
-    let skew = Skew::new(request, FORMAT.name).ok();
+    let skew = Skew::new(request).ok();
     let old = old(matrix::FILE).map(matrix::read).transpose()?;
     let joined = match (old, &skew) {
         (Some(old), Some(skew)) => {
@@ -117,7 +118,6 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     Ok(Tables {
         files,
         notes,
-        is_experimental: false,
         rule: Box::new(move |commanded| Ok(added(&lines, skew.as_ref(), commanded))),
     })
 }

@@ -18,11 +18,12 @@ pub(super) const FORMAT: Description = Description {
     text: "Marlin: skew factors, M852",
     old_files: OldFiles::None,
     sides: Sides::Elsewhere,
+    is_experimental: false,
     tables,
 };
 
 fn tables(request: &Request<'_>) -> Result<Tables, Error> {
-    let skew = Skew::new(request, FORMAT.name)?;
+    let skew = Skew::new(request)?;
     let factors = skew.factors().map(|factor| round(factor, 9));
     let [i, j, k] = factors.map(|factor| format!("{factor:.9}"));
     let text = format!("; {}\nM852 I{i} J{j} K{k}\n", request.origin());
@@ -33,7 +34,6 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
             "the firmware prints six decimals (0.2″); it calculates with 32 bits".to_owned(),
             request.origin(),
         ],
-        is_experimental: false,
         rule: Box::new(move |commanded| Ok(skew.added(factors, commanded))),
     })
 }

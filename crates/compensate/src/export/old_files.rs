@@ -3,7 +3,7 @@
 use trueaxis_kinematics::{AxisKind, Machine};
 
 use crate::Error;
-use crate::export::{ExportedFile, names};
+use crate::export::{ExportedFile, Request, names};
 
 /// The files of old tables, as a format names them.
 pub(super) enum OldFiles {
@@ -44,8 +44,12 @@ impl OldFiles {
                 Ok(of_axes.chain(of_all.map(str::to_owned)).collect())
             }
             Self::None => {
-                let lacks = "switch its correction off before you measure";
-                Err(Error::unsuitable(format, "no old tables", lacks))
+                let lacks = "switch its correction off before you measure".to_owned();
+                Err(Error::Unsuitable {
+                    format,
+                    takes: "no old tables",
+                    lacks,
+                })
             }
         }
     }
@@ -61,16 +65,12 @@ impl OldFiles {
     }
 
     /// None is left aside without a word.
-    pub(super) fn check(
-        &self,
-        format: &'static str,
-        machine: &Machine,
-        given: &[ExportedFile],
-    ) -> Result<(), Error> {
+    pub(super) fn check(&self, request: &Request<'_>) -> Result<(), Error> {
+        let (given, format) = (request.onto, request.format.name());
         if given.is_empty() {
             return Ok(());
         }
-        let names_of_all = self.names(format, machine)?;
+        let names_of_all = self.names(format, request.machine.machine())?;
         let Self::OfAxes { beside, .. } = self else {
             return Ok(());
         };

@@ -21,7 +21,7 @@ pub(super) enum Sides {
 
 impl Sides {
     /// What stays, of the axes that tables are asked for; none if nothing does.
-    pub(super) fn note(self, request: &Request<'_>, format: &'static str) -> Option<String> {
+    pub(super) fn note(self, request: &Request<'_>) -> Option<String> {
         let axes = request.axes().ok()?;
         let apart = |axis: &&usize| request.machine.keeps_sides_apart(**axis);
         match self {
@@ -33,7 +33,7 @@ impl Sides {
             }),
             Self::Mean => {
                 let lines = axes.iter().filter(apart);
-                let lines = lines.filter_map(|&axis| Line::new(request, axis, format).ok());
+                let lines = lines.filter_map(|&axis| Line::new(request, axis).ok());
                 let lost = lines.map(|line| {
                     let (name, unit) = (request.name(line.axis), request.unit(line.axis));
                     format!("{name} {} {unit}", round(line.lost_motion(request), DECIMALS))

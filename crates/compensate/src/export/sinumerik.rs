@@ -41,6 +41,7 @@ pub(super) const FORMAT: Description = Description {
     text: "Siemens SINUMERIK: $AA_ENC_COMP and $AN_CEC (experimental)",
     old_files: OldFiles::Named(&["AX_EEC.INI", "NC_CEC.INI"]),
     sides: Sides::Elsewhere,
+    is_experimental: true,
     tables,
 };
 
@@ -58,8 +59,8 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let mut lines = Vec::new();
     let mut sag = Sag::default();
     for axis in request.axes()? {
-        let line = Line::new(request, axis, FORMAT.name)?;
-        let step = line.spacing(request, FORMAT.name)?;
+        let line = Line::new(request, axis)?;
+        let step = line.spacing(request)?;
         let others = (0..axes.len()).filter(|&other| {
             // Straightness of rotary axes is no function of a position alone.
             other != axis
@@ -86,7 +87,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         lines.push(line);
     }
     let levers = match request.levers {
-        true => Lever::all(request, &lines, FORMAT.name)?,
+        true => Lever::all(request, &lines)?,
         false => Vec::new(),
     };
     sag.products = levers.iter().map(|lever| lever.product(request)).collect();
@@ -97,16 +98,16 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         let old = read::read(file, request.machine.machine())?;
         for table in old.tables {
             if !new.replaces(&table, request) {
-                sag.add(table, request, FORMAT.name)?;
+                sag.add(table, request)?;
             }
         }
         for product in old.products {
-            if !new.replaces_product(&product, FORMAT.name)? {
+            if !new.replaces_product(&product, request)? {
                 sag.products.push(product);
             }
         }
     }
-    let [encoder, cross] = sag.numbered(request, FORMAT.name)?;
+    let [encoder, cross] = sag.numbered(request)?;
     for Placed { table, .. } in &encoder {
         notes.push(format!(
             "AX{} is {}: $MA_MM_ENC_COMP_MAX_POINTS at least {}",
@@ -143,7 +144,6 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     Ok(Tables {
         files,
         notes,
-        is_experimental: true,
         rule: Box::new(move |commanded| {
             let mut added = lines.added(commanded);
             for lever in &levers {

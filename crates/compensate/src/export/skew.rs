@@ -20,11 +20,11 @@ pub(crate) struct Skew {
 
 impl Skew {
     /// For machines with linear axes X, Y, Z along the reference directions, if none is asked for alone.
-    pub(crate) fn new(request: &Request<'_>, format: &'static str) -> Result<Self, Error> {
+    pub(crate) fn new(request: &Request<'_>) -> Result<Self, Error> {
         if let Some(axis) = request.axis {
             let takes = "the squareness of X, Y and Z together";
             let lacks = format!("{} alone is asked for", request.name(axis));
-            return Err(Error::unsuitable(format, takes, lacks));
+            return Err(request.unsuitable(takes, lacks));
         }
         let machine = request.machine.machine();
         let index = |i: usize| {
@@ -38,13 +38,13 @@ impl Skew {
             });
             found.ok_or_else(|| {
                 let takes = "the squareness of linear axes X, Y, Z along x, y, z";
-                Error::unsuitable(format, takes, format!("no such axis {name} was measured"))
+                request.unsuitable(takes, format!("no such axis {name} was measured"))
             })
         };
         let axes = [index(0)?, index(1)?, index(2)?];
         let mut slopes = [[0.0; 3]; 3];
         for (k, &axis) in axes.iter().enumerate() {
-            let line = Line::new(request, axis, format)?;
+            let line = Line::new(request, axis)?;
             for (i, &of) in axes.iter().enumerate() {
                 slopes[i][k] = line.slope(of);
             }

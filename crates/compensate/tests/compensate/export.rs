@@ -1,12 +1,14 @@
 //! Tables, read back by models of the controls: the error of the machine after compensation is what was announced.
 
 use nalgebra::{Point3, Vector3};
-use trueaxis_compensate::{Error, Export, ExportedFile, Format, Request, TableSign, export};
+use trueaxis_compensate::{Error, Export, ExportedFile, Format, Request, TableSign};
 use trueaxis_kinematics::{GeometricErrors, Ideal, MICROMETRE};
 use trueaxis_predict::CalibratedMachine;
 
 use crate::controllers::{Control, control, heidenhain};
-use crate::{FIVE_AXES, TABLE, THREE_AXES, calibrated, request, request_of, scenario, tool};
+use crate::{
+    FIVE_AXES, TABLE, THREE_AXES, calibrated, export, request, request_of, scenario, tool,
+};
 
 /// Displacement of the tool against where it is commanded, less that at home, mm.
 pub(crate) fn error(
@@ -80,7 +82,7 @@ fn controls_leave_what_was_announced() {
                     step: Some(2.0),
                     ..request(&machine)
                 };
-                let fine = trueaxis_compensate::export(format, &fine).unwrap();
+                let fine = crate::export(format, &fine).unwrap();
                 assert!(fine.announcement.after.max_mm < 0.1 * after);
             }
         }
@@ -231,7 +233,7 @@ fn lost_motion_has_columns_of_its_own() {
         onto: &old,
         ..request_of(Format::Heidenhain, &machine)
     };
-    let onto = trueaxis_compensate::export(Format::Heidenhain, &onto).unwrap();
+    let onto = crate::export(Format::Heidenhain, &onto).unwrap();
     let [alone, both] = [&export, &onto].map(|export| {
         let control = control(Format::Heidenhain, export, machine.machine(), tool());
         control(&[0.0, 100.0, 0.0, 0.0, 0.0])[1]

@@ -47,6 +47,7 @@ fn read(imported: &Imported) -> CalibratedMachine {
 
 fn exported(format: Format, machine: &CalibratedMachine) -> String {
     let request = Request {
+        format,
         machine,
         at: tool(),
         axis: None,
@@ -55,7 +56,7 @@ fn exported(format: Format, machine: &CalibratedMachine) -> String {
         levers: false,
         onto: &[],
     };
-    export(format, &request).unwrap().files[0].text.clone()
+    export(&request).unwrap().files[0].text.clone()
 }
 
 /// The nominal machine, without the reference points of a calibration.

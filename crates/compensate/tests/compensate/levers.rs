@@ -1,12 +1,14 @@
 //! Angles times levers: the models of the control read the products of tables back.
 
-use trueaxis_compensate::{Error, Export, ExportedFile, Format, Request, export};
+use trueaxis_compensate::{Error, Export, ExportedFile, Format, Request};
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_predict::CalibratedMachine;
 
 use crate::controllers::{Control, Products, sinumerik};
 use crate::export::{error, largest};
-use crate::{FIVE_AXES, TABLE, THREE_AXES, calibrated, poses, request, request_of, scenario};
+use crate::{
+    FIVE_AXES, TABLE, THREE_AXES, calibrated, export, poses, request, request_of, scenario,
+};
 
 fn with_levers(machine: &CalibratedMachine) -> Request<'_> {
     Request {

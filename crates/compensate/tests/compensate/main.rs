@@ -21,7 +21,7 @@ use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use trueaxis_calibrate::{Settings, calibrate};
-use trueaxis_compensate::{Format, Request, TableSign};
+use trueaxis_compensate::{Error, Export, Format, Request, TableSign};
 use trueaxis_predict::CalibratedMachine;
 use trueaxis_simulate::{Scenario, simulate};
 
@@ -37,6 +37,7 @@ fn tool() -> Point3<f64> {
 /// All tables of a machine for that point.
 fn request(machine: &CalibratedMachine) -> Request<'_> {
     Request {
+        format: Format::Grid,
         machine,
         at: tool(),
         axis: None,
@@ -45,6 +46,11 @@ fn request(machine: &CalibratedMachine) -> Request<'_> {
         levers: false,
         onto: &[],
     }
+}
+
+/// The tables of that request in a format.
+fn export(format: Format, request: &Request<'_>) -> Result<Export, Error> {
+    trueaxis_compensate::export(&Request { format, ..*request })
 }
 
 /// The same for a format, with a sign if it wants one.

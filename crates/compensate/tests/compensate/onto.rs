@@ -7,12 +7,14 @@
 
 use serde_json::{Value, json};
 use trueaxis_calibrate::{Settings, calibrate};
-use trueaxis_compensate::{Error, Export, ExportedFile, Format, Request, export};
+use trueaxis_compensate::{Error, Export, ExportedFile, Format, Request};
 use trueaxis_kinematics::{Branch, MICROMETRE, Machine};
 use trueaxis_simulate::simulate;
 
 use crate::controllers::control;
-use crate::{FIVE_AXES, THREE_AXES, calibrated, poses, request, request_of, scenario, tool};
+use crate::{
+    FIVE_AXES, THREE_AXES, calibrated, export, poses, request, request_of, scenario, tool,
+};
 
 const FORMATS: [Format; 4] = [
     Format::Grid,

@@ -48,18 +48,14 @@ impl Lever {
     ///
     /// # Errors
     /// Unequal distances of the positions, or no angle on a lever.
-    pub(super) fn all(
-        request: &Request<'_>,
-        lines: &[Line],
-        format: &'static str,
-    ) -> Result<Vec<Self>, Error> {
+    pub(super) fn all(request: &Request<'_>, lines: &[Line]) -> Result<Vec<Self>, Error> {
         let axes = request.machine.machine().axes();
         let is_linear = |axis: &usize| axes[*axis].kind() == AxisKind::Linear;
         let linear = from_the_workpiece(request.machine.machine());
         let linear: Vec<usize> = linear.into_iter().filter(is_linear).collect();
         let mut all = Vec::new();
         for line in lines.iter().filter(|line| is_linear(&line.axis)) {
-            let step = line.spacing(request, format)?;
+            let step = line.spacing(request)?;
             let after = linear.iter().skip_while(|axis| **axis != line.axis);
             for &along in after.skip(1) {
                 let travel = axes[along].travel();
@@ -81,8 +77,7 @@ impl Lever {
             }
         }
         match all.is_empty() {
-            true => Err(Error::unsuitable(
-                format,
+            true => Err(request.unsuitable(
                 "levers with an angle of a linear axis that acts along another one",
                 "these axes have none",
             )),

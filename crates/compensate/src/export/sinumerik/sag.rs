@@ -58,14 +58,9 @@ pub(crate) struct Sag {
 
 impl Sag {
     /// Takes in an old table: added to the one for the same axes, if there is one.
-    pub(crate) fn add(
-        &mut self,
-        old: Table,
-        request: &Request<'_>,
-        format: &'static str,
-    ) -> Result<(), Error> {
+    pub(crate) fn add(&mut self, old: Table, request: &Request<'_>) -> Result<(), Error> {
         match self.tables.iter_mut().find(|new| new.is_like(&old)) {
-            Some(new) => *new = new.with(&old, request.name(old.input), format)?,
+            Some(new) => *new = new.with(&old, request)?,
             None => self.tables.push(old),
         }
         Ok(())
@@ -83,7 +78,7 @@ impl Sag {
     pub(crate) fn replaces_product(
         &self,
         old: &Product,
-        format: &'static str,
+        request: &Request<'_>,
     ) -> Result<bool, Error> {
         let is_like =
             |new: &Product| new.factor.is_like(&old.factor) && new.lever.is_like(&old.lever);
@@ -93,8 +88,7 @@ impl Sag {
         let seen_mm = old.along_lines_mm();
         match seen_mm < UNSEEN_MM {
             true => Ok(true),
-            false => Err(Error::unsuitable(
-                format,
+            false => Err(request.unsuitable(
                 "old products that are zero while one axis moves alone",
                 format!("one reaches {seen_mm:.4} mm: measure the machine with it off"),
             )),
@@ -106,11 +100,7 @@ impl Sag {
     ///
     /// # Errors
     /// More tables, points or axes than a control has.
-    pub(crate) fn numbered(
-        &self,
-        request: &Request<'_>,
-        format: &'static str,
-    ) -> Result<[Vec<Placed<'_>>; 2], Error> {
+    pub(crate) fn numbered(&self, request: &Request<'_>) -> Result<[Vec<Placed<'_>>; 2], Error> {
         let mut levers: Vec<&Table> = Vec::new();
         let mut multiplied_by = Vec::new();
         for Product { lever, .. } in &self.products {
@@ -145,10 +135,10 @@ impl Sag {
             _ => None,
         };
         if let Some((takes, lacks)) = too_many {
-            return Err(Error::unsuitable(format, takes, lacks));
+            return Err(request.unsuitable(takes, lacks));
         }
         for Placed { table, .. } in encoders.iter().chain(&cross) {
-            table.check(request.name(table.input), format)?;
+            table.check(request)?;
         }
         Ok([encoders, cross])
     }

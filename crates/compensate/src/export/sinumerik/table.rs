@@ -5,8 +5,8 @@ use std::fmt::Write;
 use trueaxis_files::round;
 
 use crate::Error;
-use crate::export::check_points;
 use crate::export::line::interpolate;
+use crate::export::{Request, check_points};
 
 /// Decimals of mm and degrees.
 const DECIMALS: i32 = 7;
@@ -61,12 +61,7 @@ impl Table {
     }
 
     /// The sum, at the widest spacing that has the points of both.
-    pub(crate) fn with(
-        &self,
-        other: &Self,
-        name: &str,
-        format: &'static str,
-    ) -> Result<Self, Error> {
+    pub(crate) fn with(&self, other: &Self, request: &Request<'_>) -> Result<Self, Error> {
         let step = common(common(self.step, other.step), (self.min - other.min).abs());
         let min = self.min.min(other.min);
         let intervals = ((self.max().max(other.max()) - min) / step).round();
@@ -76,8 +71,11 @@ impl Table {
             reason = "whole and positive; what is too large is too many points"
         )]
         let points = intervals.min(1e9) as usize + 1;
-        let both = || format!("axis {name}, the old and the new table in one");
-        check_points(both, format, points, MOST_POINTS)?;
+        let both = || {
+            let name = request.name(self.input);
+            format!("axis {name}, the old and the new table in one")
+        };
+        check_points(request, both, points, MOST_POINTS)?;
         let at = |k: usize| {
             let position = min + step * k as f64;
             self.at(position) + other.at(position)
@@ -91,9 +89,9 @@ impl Table {
     }
 
     /// Whether a control has room for it.
-    pub(crate) fn check(&self, name: &str, format: &'static str) -> Result<(), Error> {
-        let what = || format!("axis {name}");
-        check_points(what, format, self.values.len(), MOST_POINTS)
+    pub(crate) fn check(&self, request: &Request<'_>) -> Result<(), Error> {
+        let what = || format!("axis {}", request.name(self.input));
+        check_points(request, what, self.values.len(), MOST_POINTS)
     }
 
     /// The largest value, either sign.
