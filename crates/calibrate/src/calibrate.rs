@@ -18,7 +18,6 @@ use crate::identify::plausibility::{check_motion, check_noise};
 use crate::identify::settle_frame::mean_targets;
 use crate::propagate::dependence::Dependence;
 use crate::propagate::factored_covariance::factored_covariance;
-use crate::propagate::output_covariance::check_size;
 use crate::propagate::propagation::Propagation;
 use crate::report::axis_results::{axis_results, station_results};
 use crate::report::expansion::refer_to_20_degrees;
@@ -30,6 +29,7 @@ use crate::report::uncertainty::statement;
 use crate::result::calibration::{Calibration, TargetResult, Traceability};
 use crate::result::numbered::results;
 use crate::settings::{ReferencePoint, Settings};
+use crate::table_size::check_size;
 
 /// Finds all component and location errors of the axes that a campaign measured, in the [reference
 /// frame](crate#the-reference-frame).
@@ -105,7 +105,7 @@ pub(crate) fn calibrate_as_given<'a>(
     let stations = &measured.stations()[..];
     let data = by_axis(campaign, poses)?;
     if settings.covariance {
-        check_size(&machine, &data, stations.len())?;
+        check_covariance(&machine, &data, stations.len())?;
     }
 
     // Identify: component errors, location errors and the reference frame.
@@ -177,11 +177,8 @@ pub(crate) fn calibrate_as_given<'a>(
             inputs: Vec::new(),
         },
     };
-    let adjustment = measured
-        .lengths
-        .as_ref()
-        .map(|lengths| &lengths.screened.solution);
-    let mirror_image_open = adjustment.is_some_and(|solution| solution.mirror_image_open);
+    let lengths = measured.lengths.as_ref();
+    let mirror_image_open = lengths.is_some_and(|l| l.screened.solution.mirror_image_open);
     let more = notices(campaign, &calibration, mirror_image_open);
     calibration.notices.extend(more);
     refer_to_20_degrees(campaign, &mut calibration);
@@ -192,6 +189,17 @@ pub(crate) fn calibrate_as_given<'a>(
         identified,
     };
     Ok((calibration, parts))
+}
+
+/// Refuses a covariance of all results that would not fit.
+fn check_covariance(machine: &Machine, data: &[AxisData], stations: usize) -> Result<(), Error> {
+    let of_axis = |data: &AxisData| {
+        6 * data.nodes.len() + machine.axes()[data.axis].location_components().len()
+    };
+    let outputs = data.iter().map(of_axis).sum::<usize>() + 4 * stations;
+    let table = || format!("the covariance of all {outputs} results");
+    let instead = "calibrate without it, or calibrate the runs of fewer axes at a time";
+    check_size(table, [outputs; 2], instead)
 }
 
 /// The measured poses (datum from home).

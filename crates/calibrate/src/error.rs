@@ -66,33 +66,17 @@ pub enum Error {
         /// Which mistake fits, where it was made, and what to change.
         explanation: String,
     },
-    /// The covariance of all results does not fit.
-    #[error(
-        "the covariance of all {outputs} results takes {gib:.1} GiB, at most {limit_gib} GiB are \
-         written; calibrate without it, or calibrate the runs of fewer axes at a time"
-    )]
-    CovarianceTooLarge {
-        /// Number of results.
-        outputs: usize,
-        /// Size of their covariance, GiB.
-        gib: f64,
-        /// Largest size, GiB.
-        limit_gib: u32,
-    },
-    /// The table of what each length does to each result would not fit.
-    #[error(
-        "the effects of {lengths} lengths on {results} results take {gib:.1} GiB, more than \
-         {limit_gib:.0} GiB; calibrate fewer runs at a time"
-    )]
-    ReliabilityTooLarge {
-        /// Lengths.
-        lengths: usize,
-        /// Results.
-        results: usize,
-        /// Size, GiB.
+    /// A table that would not fit.
+    #[error("{table} takes {gib:.1} GiB, at most {limit_gib} GiB are written; {instead}")]
+    TooLarge {
+        /// What it holds.
+        table: String,
+        /// Its size, GiB.
         gib: f64,
         /// Largest size, GiB.
         limit_gib: f64,
+        /// What to do.
+        instead: &'static str,
     },
 }
 

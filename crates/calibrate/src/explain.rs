@@ -5,15 +5,14 @@ use trueaxis_mistakes::{Mistakes, Refused, Trial};
 
 use crate::Error;
 use crate::report::nominal_positions::targets_elsewhere;
-use crate::report::notices::is_absurd;
+use crate::report::notices::absurd_errors;
 use crate::result::calibration::Calibration;
 
 /// The same error with the mistakes that would explain it, if there are any; other errors as they are.
 pub(crate) fn explained(error: Error, mistakes: &Mistakes<'_>) -> Error {
-    if refused(&error) != Refused::Contradiction {
-        return error;
-    }
-    match mistakes.explanation() {
+    let is_contradiction = error.is_contradiction();
+    let explanation = is_contradiction.then(|| mistakes.explanation());
+    match explanation.flatten() {
         None => error,
         Some(explanation) => Error::Mistaken {
             error: Box::new(error),
@@ -33,7 +32,11 @@ pub(crate) fn trial(campaign: &Campaign, calibration: Calibration) -> Trial {
     let elsewhere = targets_elsewhere(campaign, &calibration.targets);
     Trial {
         adjustment: calibration.adjustment.clone(),
-        is_plausible: !calibration.axes.iter().any(is_absurd) && elsewhere.is_empty(),
+        is_plausible: elsewhere.is_empty()
+            && calibration
+                .axes
+                .iter()
+                .all(|axis| absurd_errors(axis).is_empty()),
         lengths_mm: Box::new(move |campaign, target, stops| {
             lengths_mm(&calibration, campaign, target, stops)
         }),

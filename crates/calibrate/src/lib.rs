@@ -69,6 +69,7 @@ mod replay;
 mod report;
 mod result;
 mod settings;
+mod table_size;
 
 pub use calibrate::{calibrate, calibrate_with_adjustment};
 pub use error::Error;

@@ -6,7 +6,6 @@ pub(crate) mod dependence;
 pub(crate) mod factored_covariance;
 pub(crate) mod frame_map;
 pub(crate) mod node_functions;
-pub(crate) mod output_covariance;
 pub(crate) mod propagation;
 pub(crate) mod sources;
 pub(crate) mod variance;

@@ -181,7 +181,7 @@ fn of_calibrate(error: &Calibrate) -> &'static str {
         Calibrate::NotIdentifiable { .. } => "E401",
         Calibrate::NotThatMotion { .. } => "E402",
         Calibrate::SeveralAxesMove { .. } => "E403",
-        Calibrate::CovarianceTooLarge { .. } | Calibrate::ReliabilityTooLarge { .. } => "E610",
+        Calibrate::TooLarge { .. } => "E610",
     }
 }
 

@@ -339,10 +339,7 @@ fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
 
 /// mm or degrees of mm or rad.
 pub(crate) fn in_file(kind: AxisKind, value: f64) -> f64 {
-    match kind {
-        AxisKind::Linear => round(value, 9),
-        AxisKind::Rotary => round(value.to_degrees(), 9),
-    }
+    round(kind.position_in_file(value), 9)
 }
 
 /// The unit of positions.

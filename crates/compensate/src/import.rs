@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use trueaxis_campaign::{InputFile, MachineSpec};
 use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE, Machine, MotionError};
-use trueaxis_predict::{FactoredCovariance, Rows};
+use trueaxis_predict::{FactoredCovariance, Rows, Unit};
 
 use crate::export::named_errors::{AxisErrors, NamedErrors};
 use crate::export::{etalon, in_file, isg, unit};
@@ -112,9 +112,9 @@ pub fn import(import: &Import<'_>) -> Result<Imported, Error> {
         },
     });
     let steps = axes.iter().map(|axis| axis.positions.len()).sum();
-    let of_components = [false, true].map(|is_angular| units(is_angular, u).2);
+    let of_components = [Unit::Micrometre, Unit::Arcsec].map(|unit| in_unit(unit, u));
     let locations = axes.iter().flat_map(|axis| &axis.locations);
-    let of_locations = locations.filter_map(|(c, _)| location_units(c.is_angular(), u).2);
+    let of_locations = locations.filter_map(|(c, _)| in_unit(Unit::of_location(*c), u));
     let of_locations = of_locations.collect();
     let covariance = match of_components {
         [Some(um), Some(arcsec)] => Some(covariance(steps, [um, arcsec], of_locations)),
@@ -239,15 +239,15 @@ fn axis_json(machine: &Machine, axis: &AxisErrors, u: Option<U>) -> Value {
     };
     let reference_mm: [f64; 3] = reference_mm.map(|x| round(x, DECIMALS)).into();
     let component = |component: Component| {
-        let (unit, suffix, u) = units(component.is_angular(), u);
+        let unit = Unit::of_component(component);
         let values = axis
             .errors
             .iter()
             .map(|error| error.to_vector()[component.index()]);
-        let values: Vec<f64> = values.map(|x| round(x / unit, DECIMALS)).collect();
-        let mut curve = json!({ format!("value_{suffix}"): values });
-        if let Some(u) = u {
-            curve[format!("u_{suffix}")] = json!(vec![u; values.len()]);
+        let values: Vec<f64> = values.map(|x| round(x / unit.size(), DECIMALS)).collect();
+        let mut curve = json!({ format!("value_{}", unit.suffix()): values });
+        if let Some(u) = in_unit(unit, u) {
+            curve[format!("u_{}", unit.suffix())] = json!(vec![u; values.len()]);
         }
         (component.name(geometry.name()), curve)
     };
@@ -266,10 +266,11 @@ fn locations_json(machine: &Machine, axes: &[AxisErrors], u: Option<U>) -> Value
     let entries = axes.iter().flat_map(|axis| {
         let name = machine.axes()[axis.axis].name();
         axis.locations.iter().map(move |(component, value)| {
-            let (unit, suffix, u) = location_units(component.is_angular(), u);
-            let mut entry = json!({ format!("value_{suffix}"): round(value / unit, DECIMALS) });
-            if let Some(u) = u {
-                entry[format!("u_{suffix}")] = json!(u);
+            let unit = Unit::of_location(*component);
+            let value = round(value / unit.size(), DECIMALS);
+            let mut entry = json!({ format!("value_{}", unit.suffix()): value });
+            if let Some(u) = in_unit(unit, u) {
+                entry[format!("u_{}", unit.suffix())] = json!(u);
             }
             (component.name(name), entry)
         })
@@ -277,22 +278,13 @@ fn locations_json(machine: &Machine, axes: &[AxisErrors], u: Option<U>) -> Value
     entries.collect()
 }
 
-/// Size and suffix of the unit, and u in it.
-fn units(is_angular: bool, u: Option<U>) -> (f64, &'static str, Option<f64>) {
-    let (unit, suffix) = match is_angular {
-        true => (ARCSEC, "arcsec"),
-        false => (MICROMETRE, "um"),
-    };
-    let u = u.map(|u| round(u[usize::from(is_angular)] / unit, DECIMALS));
-    (unit, suffix, u)
-}
-
-/// The same of a location error: mm in place of µm.
-fn location_units(is_angular: bool, u: Option<U>) -> (f64, &'static str, Option<f64>) {
-    match is_angular {
-        true => units(true, u),
-        false => (1.0, "mm", u.map(|[mm, _]| round(mm, 2 * DECIMALS))),
-    }
+/// The standard uncertainty of values in a unit.
+fn in_unit(unit: Unit, u: Option<U>) -> Option<f64> {
+    u.map(|[mm, rad]| match unit {
+        Unit::Micrometre => round(mm / MICROMETRE, DECIMALS),
+        Unit::Arcsec => round(rad / ARCSEC, DECIMALS),
+        Unit::Millimetre => round(mm, 2 * DECIMALS),
+    })
 }
 
 /// Each result has its own uncertainty: the same block for each step, and a column for each location error.

@@ -43,17 +43,7 @@ pub struct Left {
 /// # Errors
 /// [`Error::NotContracting`] at a place without corrected positions.
 pub fn remains(machine: &CalibratedMachine, places: &Places) -> Result<Remains, Error> {
-    let mut stride = places.count().div_ceil(MOST_PLACES).max(1);
-    // Not along a plane of the grid.
-    while places
-        .nodes()
-        .iter()
-        .any(|nodes| common_divisor(stride, *nodes) > 1)
-        && stride > 1
-    {
-        stride += 1;
-    }
-    let chosen = (0..places.count()).step_by(stride);
+    let chosen = places.some(MOST_PLACES);
     let chosen: Vec<_> = chosen
         .map(|number| (places.at(number), places.tool_home_mm))
         .collect();
@@ -106,8 +96,4 @@ impl Left {
             rotation_max_rad,
         }
     }
-}
-
-fn common_divisor(a: usize, b: usize) -> usize {
-    if b == 0 { a } else { common_divisor(b, a % b) }
 }

@@ -145,7 +145,7 @@ fn verified(
     let mut points = grouped(verification);
     for point in &mut points {
         let at = &point.positions;
-        point.predicted_um = predicted_from_its_side(machine, kind, point);
+        point.predicted_um = machine.predicted_reading_um(kind, at, came_from(point));
         let MeasuredPoint { point_mm, along } = MeasuredPoint::new(nominal, kind, at);
         let home_mm = measured_home_mm(kind);
         let actual = nominal.position(machine, carrier(nominal, kind), at, home_mm);
@@ -224,14 +224,6 @@ fn settle(
     let limits: Vec<f64> = limits.map(|u| 2.0 * u).collect();
     let covariance = with_readings.select_rows(&judged).select_columns(&judged);
     (!judged.is_empty()).then(|| chance(above, &covariance, &limits))
-}
-
-fn predicted_from_its_side(
-    machine: &CalibratedMachine,
-    kind: &VerificationKind,
-    point: &Point,
-) -> f64 {
-    machine.predicted_reading_um(kind, &point.positions, came_from(point))
 }
 
 fn came_from(point: &Point) -> Direction {

@@ -96,12 +96,7 @@ impl CalibratedMachine {
         let worst = (0..errors.len()).max_by(|a, b| size(a).total_cmp(&size(b)));
         let worst = worst.unwrap_or(0);
 
-        // A subset at equal distances, with a stride that does not keep to a plane of the grid.
-        let mut stride = places.count().div_ceil(MOST_DRAWN);
-        while common_divisor(stride, points) > 1 {
-            stride += 1;
-        }
-        let chosen: Vec<usize> = (0..places.count()).step_by(stride).collect();
+        let chosen: Vec<usize> = places.some(MOST_DRAWN).collect();
         let of_home = self.coefficients(&at_home, tool_mm);
         let coefficients = chosen.par_iter();
         let coefficients = coefficients.map(|&i| self.coefficients(&places.at(i), tool_mm));
@@ -136,10 +131,6 @@ impl CalibratedMachine {
         let error = self.machine.tool_error(self, positions, tool_mm);
         (nominal, error.to_vector())
     }
-}
-
-fn common_divisor(a: usize, b: usize) -> usize {
-    if b == 0 { a } else { common_divisor(b, a % b) }
 }
 
 /// What is subtracted: the displacement at home.

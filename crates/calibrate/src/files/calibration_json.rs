@@ -17,8 +17,8 @@ use crate::files::adjustment_json::adjustment;
 use crate::files::unless_empty;
 use crate::result::budget::Budget;
 use crate::result::calibration::{
-    AxisResult, Calibration, LocationResult, RelativeLocation, RunMisfit, StationResult,
-    TargetResult, Traceability, TriangleSide,
+    AxisResult, Calibration, LocationResult, RelativeLocation, RelativeQuantity, RunMisfit,
+    StationResult, TargetResult, Traceability, TriangleSide,
 };
 use trueaxis_predict::{Unit, position_in_file};
 
@@ -71,21 +71,14 @@ impl Calibration {
     }
 }
 
-fn traceability(traceability: &Traceability) -> Value {
-    let Traceability {
-        date,
-        operator,
-        instrument,
-        serial,
-        inputs,
-    } = traceability;
+fn traceability(of: &Traceability) -> Value {
     without_nulls(json!({
-        "date": date,
-        "operator": operator,
-        "instrument": (!instrument.is_empty()).then_some(instrument),
-        "serial": serial,
+        "date": of.date,
+        "operator": of.operator,
+        "instrument": (!of.instrument.is_empty()).then_some(&of.instrument),
+        "serial": of.serial,
         "program": concat!("trueaxis ", env!("CARGO_PKG_VERSION")),
-        "inputs": unless_empty(inputs, |input| json!(input)),
+        "inputs": unless_empty(&of.inputs, |input| json!(input)),
     }))
 }
 
@@ -233,10 +226,19 @@ fn curve(axis: &AxisResult, component: Component) -> Value {
     )
 }
 
+/// The same of one value and its u, mm or rad.
+fn one(unit: Unit, values: [f64; 2], behind: Option<(f64, Budget)>) -> Value {
+    let [value, u] = values.map(|x| unit.in_file(x));
+    quantity(unit, value, u, behind.into_iter())
+}
+
 fn location_error(error: &LocationResult) -> Value {
     let unit = Unit::of_location(error.component);
-    let [value, u] = [error.value, error.u].map(|x| unit.in_file(x));
-    let mut entry = quantity(unit, value, u, std::iter::once((error.dof, error.budget)));
+    let mut entry = one(
+        unit,
+        [error.value, error.u],
+        Some((error.dof, error.budget)),
+    );
     if error.relative_to_targets {
         entry["relative_to"] = json!("targets");
     }
@@ -244,27 +246,24 @@ fn location_error(error: &LocationResult) -> Value {
 }
 
 fn relative_location(relative: &RelativeLocation) -> Value {
-    let [offset, angle] = [
-        (&relative.offset, Unit::Millimetre),
-        (&relative.angle, Unit::Arcsec),
-    ]
-    .map(|(found, unit)| {
-        let [value, u] = [found.value, found.u].map(|x| unit.in_file(x));
-        quantity(unit, value, u, std::iter::once((found.dof, found.budget)))
-    });
+    let found =
+        |unit: Unit, of: &RelativeQuantity| one(unit, [of.value, of.u], Some((of.dof, of.budget)));
     json!({
         "axis": relative.axis,
         "to": relative.to,
         "direction": relative.direction.map(|x| round(x, 9)).as_slice(),
-        "offset": offset,
-        "angle": angle,
+        "offset": found(Unit::Millimetre, &relative.offset),
+        "angle": found(Unit::Arcsec, &relative.angle),
     })
 }
 
 fn side_difference(sides: &SideDifference, component: Component) -> Value {
-    let (c, unit) = (component.index(), Unit::of_component(component));
-    let [value, u] = [sides.value, sides.u].map(|of| unit.in_file(of[c]));
-    quantity(unit, value, u, std::iter::empty())
+    let c = component.index();
+    one(
+        Unit::of_component(component),
+        [sides.value[c], sides.u[c]],
+        None,
+    )
 }
 
 /// µm or arcsec for 1 µm of independent noise on every coordinate, by the method used and by the nine equations.

@@ -1,6 +1,6 @@
 //! What identification works on, and the machine's errors while it does.
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Point3};
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::{Axis, GeometricErrors, LocationError, Machine, MotionError};
 use trueaxis_poses::Poses;
@@ -29,6 +29,13 @@ impl<'a> Context<'a> {
     /// The place of an axis of the machine among the data, if it was measured.
     pub(crate) fn place_of(&self, axis: usize) -> Option<usize> {
         self.data.iter().position(|data| data.axis == axis)
+    }
+
+    /// Names of the runs of `data[k]`.
+    pub(crate) fn run_names(&self, k: usize) -> Vec<String> {
+        let runs = self.data[k].runs.iter();
+        runs.map(|run| self.campaign.runs[run.run].name.clone())
+            .collect()
     }
 
     /// The measured axes from the bed outwards.
@@ -85,11 +92,8 @@ impl GeometricErrors for ModelErrors<'_> {
             return MotionError::default();
         };
         let curve = &self.state.axes[k].curve;
-        let mut sum = (Vector3::zeros(), Vector3::zeros());
-        for (node, weight) in self.context.data[k].weights_at(position) {
-            sum.0 += curve[node].translation_mm * weight;
-            sum.1 += curve[node].rotation_rad * weight;
-        }
-        MotionError::new(sum.0, sum.1)
+        let weights = self.context.data[k].weights_at(position).into_iter();
+        let sum = weights.map(|(node, weight)| curve[node].to_vector() * weight);
+        MotionError::from_vector(&sum.sum())
     }
 }

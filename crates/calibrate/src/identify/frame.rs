@@ -36,13 +36,8 @@ pub(crate) struct Anchor {
 
 impl FrameRule {
     pub(crate) fn new(context: &Context<'_>) -> Self {
-        let Context {
-            campaign,
-            machine,
-            data,
-            ..
-        } = *context;
-        let targets = campaign.targets.iter().map(|target| NominalTarget {
+        let data = context.data;
+        let targets = context.campaign.targets.iter().map(|target| NominalTarget {
             carrier: target.carrier,
             home_mm: target.home_mm,
         });
@@ -51,13 +46,13 @@ impl FrameRule {
             let targets = axis.runs.iter().flat_map(|run| &run.targets);
             targets.map(|&target| (axis.axis, target))
         });
-        let rule = trueaxis_kinematics::FrameRule::new(machine, &targets, measured);
+        let rule = trueaxis_kinematics::FrameRule::new(context.machine, &targets, measured);
         let lines: Vec<usize> = rule
             .lines()
             .filter_map(|axis| context.place_of(axis))
             .collect();
         let numbers: Vec<usize> = rule.anchors().collect();
-        let mut anchors = Vec::new();
+        let mut anchors: Vec<Anchor> = Vec::new();
         for (k, axis) in data.iter().enumerate() {
             if !lines.is_empty() && context.axis(k).kind() != AxisKind::Linear {
                 continue;
@@ -76,9 +71,7 @@ impl FrameRule {
             }
         }
         let mut weights = vec![0.0; numbers.len()];
-        anchors
-            .iter()
-            .for_each(|a: &Anchor| weights[a.number] += 1.0);
+        anchors.iter().for_each(|a| weights[a.number] += 1.0);
         let weights = weights.into_iter().map(f64::recip).collect();
         Self {
             lines,

@@ -238,11 +238,7 @@ fn defect(context: &Context<'_>, k: usize, defect: &GaugeDefect) -> Error {
             "measure it at more positions, over more of its travel",
         ),
         GaugeDefect::Disjoint => {
-            let runs = axis
-                .runs
-                .iter()
-                .map(|run| context.campaign.runs[run.run].name.as_str());
-            let runs = runs.collect::<Vec<_>>().join(", ");
+            let runs = context.run_names(k).join(", ");
             (
                 format!("axis {name}: runs {runs} share no position"),
                 "measure at least two common positions in every run of an axis, or calibrate the runs one at \

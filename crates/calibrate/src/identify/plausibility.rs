@@ -1,5 +1,6 @@
 //! What is no calibration although everything converged.
 
+use trueaxis_kinematics::MotionError;
 use trueaxis_poses::{AdjustmentReport, step_in_words};
 
 use crate::Error;
@@ -14,27 +15,19 @@ const IMPLAUSIBLE_RAD: f64 = 0.1;
 pub(crate) fn check_motion(context: &Context<'_>, identified: &Identified) -> Result<(), Error> {
     for (k, values) in identified.state.axes.iter().enumerate() {
         let data = &context.data[k];
-        let deviations = values
-            .curve
-            .iter()
-            .zip(&data.records_of)
-            .map(|(e, records)| {
-                let (mm, rad) = (e.translation_mm.amax(), e.rotation_rad.amax());
-                (
-                    (mm / IMPLAUSIBLE_MM).max(rad / IMPLAUSIBLE_RAD),
-                    mm,
-                    rad,
-                    records,
-                )
-            });
-        let most = deviations.max_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((_, translation_mm, rotation_rad, records)) = most.filter(|most| most.0 > 1.0) {
+        let size = |e: &MotionError| {
+            let mm = e.translation_mm.amax() / IMPLAUSIBLE_MM;
+            mm.max(e.rotation_rad.amax() / IMPLAUSIBLE_RAD)
+        };
+        let nodes = values.curve.iter().zip(&data.records_of);
+        let worst = nodes.max_by(|(a, _), (b, _)| size(a).total_cmp(&size(b)));
+        if let Some((error, records)) = worst.filter(|(error, _)| size(error) > 1.0) {
             let step = context.poses.observations[data.records[records[0]].pose].step;
             return Err(Error::NotThatMotion {
                 axis: context.axis(k).name().to_owned(),
                 step: step_in_words(context.campaign, step),
-                translation_mm,
-                rotation_deg: rotation_rad.to_degrees(),
+                translation_mm: error.translation_mm.amax(),
+                rotation_deg: error.rotation_rad.amax().to_degrees(),
             });
         }
     }

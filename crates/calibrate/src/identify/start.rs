@@ -40,23 +40,16 @@ fn location(context: &Context<'_>, data: &AxisData, run: &RunData) -> Option<Loc
         AxisKind::Linear => line_location(axis, &traces),
         AxisKind::Rotary => {
             let circles: Vec<&[Point3<f64>]> = traces.iter().map(Vec::as_slice).collect();
-            let measured = fit_common_axis(&circles).ok()?.axis;
-            let (point_mm, direction) = (axis.reference_mm(), axis.direction());
-            // The sense of rotation is the machine's; only the line is wanted here.
-            let same_sense = measured.direction.dot(&direction) > 0.0;
-            let measured = if same_sense {
-                measured
-            } else {
-                measured.reversed()
+            let mut measured = fit_common_axis(&circles).ok()?.axis;
+            let nominal = NominalAxis {
+                point_mm: axis.reference_mm(),
+                direction: axis.direction(),
             };
-            axis_location(
-                &NominalAxis {
-                    point_mm,
-                    direction,
-                },
-                &measured,
-            )
-            .ok()
+            // The sense of rotation is the machine's; only the line is wanted here.
+            if measured.direction.dot(&nominal.direction) <= 0.0 {
+                measured = measured.reversed();
+            }
+            axis_location(&nominal, &measured).ok()
         }
     }
 }

@@ -9,6 +9,7 @@ use trueaxis_montecarlo::Model;
 
 use crate::Error;
 use crate::replay::Replay;
+use crate::table_size::check_size;
 
 /// Reliability of all used lengths.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,29 +36,19 @@ pub struct LengthReliability {
     pub worst: (usize, f64),
 }
 
-/// Largest table of effects that is made, GiB.
-const LIMIT_GIB: f64 = 1.0;
-
 impl Replay<'_> {
     /// Reliability of the used lengths; `None` in a points campaign.
     ///
     /// # Errors
-    /// [`Error::ReliabilityTooLarge`] if the table of effects would not fit.
+    /// [`Error::TooLarge`] if the table of effects would not fit.
     pub fn reliability(&self) -> Result<Option<LengthsReliability>, Error> {
         let Some(lengths) = &self.trials.measured.lengths else {
             return Ok(None);
         };
         let screened = &lengths.screened;
         let (rows, columns) = (screened.kept.len(), self.outputs());
-        let gib = rows as f64 * columns as f64 * size_of::<f64>() as f64 / 1024_f64.powi(3);
-        if gib > LIMIT_GIB {
-            return Err(Error::ReliabilityTooLarge {
-                lengths: rows,
-                results: columns,
-                gib,
-                limit_gib: LIMIT_GIB,
-            });
-        }
+        let table = || format!("what {rows} lengths do to {columns} results");
+        check_size(table, [rows, columns], "calibrate fewer runs at a time")?;
         let mut responses = self.responses();
         let mut errors_mm = vec![0.0; rows];
         let mut effects = DMatrix::zeros(rows, columns);

@@ -15,12 +15,10 @@ use trueaxis_campaign::Direction;
 use trueaxis_poses::PoseNoise;
 
 use crate::calibrate::found;
-use crate::identify::axis_data::Record;
 use crate::identify::state::State;
 use crate::propagate::dependence::Dependence;
 use crate::propagate::propagation::Noise;
 use crate::replay::{Replay, Responses};
-use trueaxis_predict::Node;
 
 /// The runs of one axis at the positions that they share.
 pub struct RunComparison {
@@ -189,24 +187,17 @@ fn comparison(
 
     let errors = context.pose_errors(&identified.state, k);
     let of_record = |i: usize| {
-        let Record { run, node, .. } = data.records[i];
-        let Node {
-            position,
-            direction,
-        } = data.nodes[node];
+        let record = &data.records[i];
+        let node = data.nodes[record.node];
         ComparedPose {
-            run,
-            position,
-            direction,
+            run: record.run,
+            position: node.position,
+            direction: node.direction,
         }
     };
     let mut comparison = RunComparison {
         axis: data.axis,
-        runs: data
-            .runs
-            .iter()
-            .map(|run| context.campaign.runs[run.run].name.clone())
-            .collect(),
+        runs: context.run_names(k),
         observations: Vec::new(),
         base: Vec::new(),
         sigma_mm,

@@ -115,13 +115,8 @@ fn unmeasured_axes(campaign: &Campaign, measured: &[AxisResult]) -> Option<Strin
     })
 }
 
-/// Whether an axis has errors that are more likely mistakes in the campaign.
-pub(crate) fn is_absurd(axis: &AxisResult) -> bool {
-    !absurd_errors(axis).is_empty()
-}
-
 /// Errors that are more likely mistakes in the campaign.
-fn absurd_errors(axis: &AxisResult) -> Vec<String> {
+pub(crate) fn absurd_errors(axis: &AxisResult) -> Vec<String> {
     let worst = |component: Component| {
         let (limit, unit, scale) = match component.is_angular() {
             true => (ABSURD_RAD, "°", 1_f64.to_degrees()),

@@ -140,11 +140,8 @@ fn run_misfit(propagation: &Propagation<'_, '_>, k: usize) -> Option<RunMisfit> 
         (error.fixed_rows::<3>(0) - mean_mm).norm_squared()
     });
     let rms_mm = (off.sum::<f64>() / data.records.len() as f64).sqrt();
-    let runs = data.runs.iter();
     Some(RunMisfit {
-        runs: runs
-            .map(|run| context.campaign.runs[run.run].name.clone())
-            .collect(),
+        runs: context.run_names(k),
         rms_mm,
         chi_squared,
         degrees_of_freedom,

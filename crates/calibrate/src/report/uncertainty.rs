@@ -26,8 +26,12 @@ pub(crate) fn statement(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Un
 fn parts(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Vec<Part> {
     let noise = Ok("noise and geometry".to_owned());
     let mut parts = vec![noise];
-    parts.extend(reflectors(measured));
-    parts.extend(dead_paths(campaign, measured));
+    // Lengths to one reflector have nothing to differ by.
+    let several = measured.reflectors().len() > 1;
+    parts.extend(several.then(|| Ok("reflectors".to_owned())));
+    let dead_paths = campaign.stations.iter().any(|s| s.dead_path.is_some());
+    let take_part = measured.lengths.is_some() && dead_paths;
+    parts.extend(take_part.then(|| Ok("known dead paths".to_owned())));
     parts.push(scale(campaign, measured));
     parts.push(nests(campaign));
     parts.extend(temperatures(campaign));
@@ -102,18 +106,6 @@ fn temperatures(campaign: &Campaign) -> Option<Part> {
         true => Err("temperature of the axes: `temperature_sigma_k` is not declared".to_owned()),
         false => Ok("temperature of the axes".to_owned()),
     })
-}
-
-/// Lengths to one reflector have nothing to differ by.
-fn reflectors(measured: &MeasuredPoses<'_>) -> Option<Part> {
-    let several = measured.reflectors().len() > 1;
-    several.then(|| Ok("reflectors".to_owned()))
-}
-
-fn dead_paths(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Option<Part> {
-    let are_known = campaign.stations.iter().any(|s| s.dead_path.is_some());
-    let take_part = measured.lengths.is_some() && are_known;
-    take_part.then(|| Ok("known dead paths".to_owned()))
 }
 
 fn scale(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Part {

@@ -2,11 +2,12 @@
 
 use serde_json::{Value, json};
 use trueaxis_campaign::VerificationKind;
-use trueaxis_files::round;
+use trueaxis_files::{round, without_nulls};
 use trueaxis_kinematics::{ARCSEC, Machine};
 use trueaxis_predict::{CalibratedMachine, position_in_file};
 
 use crate::verify::iso_230_2::{Positioning, Side};
+use crate::verify::iso_230_4::Circular;
 use crate::verify::parallel_lines::ParallelLines;
 use crate::verify::{EXPECTED_ABOVE_ONE, Point, Verified};
 
@@ -22,7 +23,8 @@ pub fn verification_json(
     lines: &[ParallelLines],
 ) -> Value {
     let nominal = machine.machine();
-    let mut document = json!({
+    let lines = lines.iter().map(|l| parallel(nominal, l));
+    without_nulls(json!({
         "format": "trueaxis-verification",
         "version": 1,
         "machine": machine.name,
@@ -32,12 +34,18 @@ pub fn verification_json(
         "compensated": is_compensated,
         "expected_above_one": EXPECTED_ABOVE_ONE,
         "verification": verified.iter().map(|v| entry(nominal, v)).collect::<Value>(),
-    });
-    if !lines.is_empty() {
-        let lines = lines.iter();
-        document["parallel_lines"] = lines.map(|l| parallel(nominal, l)).collect();
-    }
-    document
+        "parallel_lines": if_any(lines),
+    }))
+}
+
+/// None of nothing.
+fn if_any(entries: impl Iterator<Item = Value>) -> Option<Vec<Value>> {
+    Some(entries.collect::<Vec<_>>()).filter(|all| !all.is_empty())
+}
+
+/// µm or `E_n`.
+fn rounded(value: Option<f64>) -> Option<f64> {
+    value.map(|value| round(value, DECIMALS))
 }
 
 fn parallel(machine: &Machine, found: &ParallelLines) -> Value {
@@ -47,15 +55,13 @@ fn parallel(machine: &Machine, found: &ParallelLines) -> Value {
         values.collect()
     };
     let components = found.angles.iter().map(|curve| {
-        let mut value = json!({
+        let value = without_nulls(json!({
             "measured_arcsec": arcsec(&curve.measured),
             "predicted_arcsec": arcsec(&curve.predicted),
             "u_predicted_arcsec": arcsec(&curve.u_predicted),
             "largest_difference_arcsec": round(curve.largest_difference() / ARCSEC, DECIMALS),
-        });
-        if let Some(u) = &curve.u_measured {
-            value["u_measured_arcsec"] = arcsec(u);
-        }
+            "u_measured_arcsec": curve.u_measured.as_deref().map(arcsec),
+        }));
         (curve.component.name(name), value)
     });
     let positions = found.positions.iter().map(|q| json!(round(*q, 9)));
@@ -69,7 +75,8 @@ fn parallel(machine: &Machine, found: &ParallelLines) -> Value {
 
 fn entry(machine: &Machine, verified: &Verified) -> Value {
     let (above, all) = verified.above_one();
-    let mut entry = json!({
+    let lines = verified.positioning.iter();
+    without_nulls(json!({
         "name": verified.name,
         "kind": match verified.kind {
             Some(VerificationKind::Positioning { .. }) => "positioning",
@@ -77,35 +84,30 @@ fn entry(machine: &Machine, verified: &Verified) -> Value {
             None => "points",
         },
         "points": verified.points.iter().map(|p| point(machine, p)).collect::<Value>(),
-    });
-    if let Some(p) = verified.p_value {
-        entry["e_n"] = json!({
+        "e_n": verified.p_value.map(|p| json!({
             "count": all,
             "above_one": above,
             "p_value": round(p, DECIMALS),
             "misfit": verified.is_misfit(),
-        });
-    }
-    if !verified.positioning.is_empty() {
-        let lines = verified.positioning.iter();
-        entry["iso_230_2"] = lines
-            .map(|(at, line)| positioning(machine, at, line))
-            .collect();
-    }
-    if let Some(circular) = verified.circular {
-        entry["iso_230_4"] = without_nulls([
-            ("G_forward_um", circular.g_forward_um),
-            ("G_backward_um", circular.g_backward_um),
-            ("Gb_um", circular.g_both_um),
-            ("H_um", circular.h_um),
-            ("Fmin_forward_um", circular.f_forward_um.map(|f| f[0])),
-            ("Fmax_forward_um", circular.f_forward_um.map(|f| f[1])),
-            ("Fmin_backward_um", circular.f_backward_um.map(|f| f[0])),
-            ("Fmax_backward_um", circular.f_backward_um.map(|f| f[1])),
-            ("D_um", circular.d_um),
-        ]);
-    }
-    entry
+        })),
+        "iso_230_2": if_any(lines.map(|(at, line)| positioning(machine, at, line))),
+        "iso_230_4": verified.circular.as_ref().map(circular),
+    }))
+}
+
+fn circular(found: &Circular) -> Value {
+    let [forward, backward] = [found.f_forward_um, found.f_backward_um];
+    without_nulls(json!({
+        "G_forward_um": rounded(found.g_forward_um),
+        "G_backward_um": rounded(found.g_backward_um),
+        "Gb_um": rounded(found.g_both_um),
+        "H_um": rounded(found.h_um),
+        "Fmin_forward_um": rounded(forward.map(|f| f[0])),
+        "Fmax_forward_um": rounded(forward.map(|f| f[1])),
+        "Fmin_backward_um": rounded(backward.map(|f| f[0])),
+        "Fmax_backward_um": rounded(backward.map(|f| f[1])),
+        "D_um": rounded(found.d_um),
+    }))
 }
 
 fn at(machine: &Machine, positions: &[f64]) -> Value {
@@ -140,35 +142,23 @@ fn point(machine: &Machine, point: &Point) -> Value {
 }
 
 fn positioning(machine: &Machine, line: &[f64], found: &Positioning) -> Value {
-    let mut value = json!({
+    let side = |side: &Side| {
+        without_nulls(json!({
+            "A_um": rounded(side.a_um),
+            "E_um": round(side.e_um, DECIMALS),
+            "R_um": rounded(side.r_um),
+        }))
+    };
+    let [forward, backward, both] = found.sides.each_ref().map(|of| of.as_ref().map(side));
+    without_nulls(json!({
         "from": at(machine, line),
         "runs": found.runs,
         "fewer_runs_than_the_standard": found.is_short,
-    });
-    for (name, side) in ["forward", "backward", "bidirectional"]
-        .iter()
-        .zip(&found.sides)
-    {
-        if let Some(Side { a_um, e_um, r_um }) = *side {
-            value[*name] = without_nulls([("A_um", a_um), ("E_um", Some(e_um)), ("R_um", r_um)]);
-        }
-    }
-    let rest = without_nulls([
-        ("B_um", found.b_um),
-        ("mean_B_um", found.mean_b_um),
-        ("M_um", found.m_um),
-    ]);
-    if let (Value::Object(value), Value::Object(rest)) = (&mut value, rest) {
-        value.extend(rest);
-    }
-    value
-}
-
-fn without_nulls<const N: usize>(fields: [(&str, Option<f64>); N]) -> Value {
-    let there = fields
-        .into_iter()
-        .filter_map(|(name, value)| Some((name, value?)));
-    there
-        .map(|(name, value)| (name.to_owned(), json!(round(value, DECIMALS))))
-        .collect()
+        "forward": forward,
+        "backward": backward,
+        "bidirectional": both,
+        "B_um": rounded(found.b_um),
+        "mean_B_um": rounded(found.mean_b_um),
+        "M_um": rounded(found.m_um),
+    }))
 }

@@ -5,6 +5,7 @@
 //! the number of the place in a prime base (J. H. Halton, *Numerische Mathematik* 2, 84, 1960): the number of places does not
 //! grow with the number of axes. Axes that were not measured stand at home.
 
+use std::iter::StepBy;
 use std::ops::Range;
 
 use nalgebra::Point3;
@@ -101,6 +102,19 @@ impl Places {
         self.nodes().iter().product::<usize>() * self.visits
     }
 
+    /// The numbers of at most `most` places at equal distances, which do not keep to a plane of the grid.
+    pub fn some(&self, most: usize) -> StepBy<Range<usize>> {
+        let mut stride = self.count().div_ceil(most).max(1);
+        let is_in_plane = |stride, nodes: &[usize]| {
+            let mut nodes = nodes.iter();
+            nodes.any(|&nodes| common_divisor(stride, nodes) > 1)
+        };
+        while is_in_plane(stride, &self.nodes()) {
+            stride += 1;
+        }
+        (0..self.count()).step_by(stride)
+    }
+
     /// Numbers of the nodes of the grid, with the other axes at home.
     pub fn map(&self) -> Range<usize> {
         0..self.nodes().iter().product()
@@ -128,6 +142,10 @@ impl Places {
         }
         positions
     }
+}
+
+fn common_divisor(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { common_divisor(b, a % b) }
 }
 
 /// The digits of a number mirrored at the point.

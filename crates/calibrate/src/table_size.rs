@@ -1,0 +1,39 @@
+//! Tables that would not fit.
+
+use crate::Error;
+
+/// Largest table that is made, GiB.
+const LIMIT_GIB: f64 = 1.0;
+
+/// Refuses a table of numbers that is too large; `instead` says what to do.
+pub(crate) fn check_size(
+    table: impl FnOnce() -> String,
+    [rows, columns]: [usize; 2],
+    instead: &'static str,
+) -> Result<(), Error> {
+    let gib = rows as f64 * columns as f64 * size_of::<f64>() as f64 / 1024_f64.powi(3);
+    if gib <= LIMIT_GIB {
+        return Ok(());
+    }
+    Err(Error::TooLarge {
+        table: table(),
+        gib,
+        limit_gib: LIMIT_GIB,
+        instead,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_does_not_fit_is_refused_with_its_size() {
+        let table = || "the covariance".to_owned();
+        assert_eq!(check_size(table, [11_585; 2], "leave it out"), Ok(()));
+        let refused = check_size(table, [40_000; 2], "leave it out").unwrap_err();
+        let text = refused.to_string();
+        let says = "the covariance takes 11.9 GiB, at most 1 GiB are written; leave it out";
+        assert_eq!(text, says);
+    }
+}
