@@ -145,7 +145,7 @@ pub(crate) struct VolumeArgs {
 #[derive(Debug, ClapArgs)]
 pub(crate) struct ExportArgs {
     /// The control, or the format of the tables.
-    #[arg(value_name = "FORMAT", value_parser = format_parser())]
+    #[arg(value_name = "FORMAT", value_parser = named(Format::ALL, Format::name, Format::description))]
     pub(crate) format: Format,
 
     /// The calibration, with covariance.npz beside it.
@@ -177,7 +177,7 @@ pub(crate) struct ExportArgs {
 
     /// Required for heidenhain, and only there: which way the control moves the axis for a positive value; if
     /// it is left out, the message says how to find out.
-    #[arg(long, value_name = "SIGN", value_parser = sign_parser())]
+    #[arg(long, value_name = "SIGN", value_parser = named(TableSign::ALL, TableSign::name, TableSign::description))]
     pub(crate) sign: Option<TableSign>,
 
     /// Only for sinumerik, experimental: also write products of tables, the angles of the linear axes times
@@ -229,24 +229,16 @@ pub(crate) struct VerifyArgs {
     pub(crate) fail_on_misfit: bool,
 }
 
-/// The signs by their names, with what they mean.
-fn sign_parser() -> impl TypedValueParser<Value = TableSign> {
-    let named = |sign: TableSign| PossibleValue::new(sign.name()).help(sign.description());
-    PossibleValuesParser::new(TableSign::ALL.map(named)).try_map(|name| {
-        let mut all = TableSign::ALL.into_iter();
-        all.find(|sign| sign.name() == name)
-            .ok_or("there is no such sign")
-    })
-}
-
-/// The formats by their names, with what they are.
-fn format_parser() -> impl TypedValueParser<Value = Format> {
-    let named = |format: Format| PossibleValue::new(format.name()).help(format.description());
-    let named = PossibleValuesParser::new(Format::ALL.map(named));
-    named.try_map(|name| {
-        let mut all = Format::ALL.into_iter();
-        all.find(|format| format.name() == name)
-            .ok_or("there is no such format")
+/// Values by their names, with what they mean.
+fn named<T: Copy + Send + Sync + 'static, const N: usize>(
+    all: [T; N],
+    name: fn(T) -> &'static str,
+    meaning: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    let names = all.map(|one| PossibleValue::new(name(one)).help(meaning(one)));
+    PossibleValuesParser::new(names).try_map(move |given| {
+        let found = all.into_iter().find(|one| name(*one) == given);
+        found.ok_or("there is no such name")
     })
 }
 

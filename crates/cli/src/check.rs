@@ -25,74 +25,52 @@ pub(crate) fn run(args: &CheckArgs) -> anyhow::Result<Exit> {
 
 fn describe(campaign: &Campaign) {
     let machine = &campaign.machine;
-    let branch = |branch| {
+    let line = |label: &str, text: &str| say(&format!("  {label:<10}{text}"));
+    let measured = |what: &str, readings: usize, stops: usize| {
+        line(what, &format!("{readings} in {}", counted(stops, "stop")));
+    };
+    let branch = |way: &str, branch| {
         let names = machine.branch(branch).iter().map(|&axis| {
             let axis = &machine.axes()[axis];
             format!("{} ({})", axis.name(), axis.kind().name())
         });
-        let names: Vec<String> = names.collect();
-        if names.is_empty() {
-            "none".to_owned()
-        } else {
-            names.join(", ")
-        }
+        let names = Some(list(names)).filter(|names| !names.is_empty());
+        line(
+            "",
+            &format!("{way}: {}", names.as_deref().unwrap_or("none")),
+        );
     };
     say(&campaign.name);
-    say(&format!("  machine   {}", campaign.machine_name));
-    say(&format!(
-        "            bed to tool: {}",
-        branch(Branch::Tool)
-    ));
-    say(&format!(
-        "            bed to workpiece: {}",
-        branch(Branch::Workpiece)
-    ));
-    say(&format!(
-        "  targets   {}",
-        list(campaign.targets.iter().map(|target| {
-            let carrier = target.carrier.map(|axis| machine.axes()[axis].name());
-            format!("{} on {}", target.name, carrier.unwrap_or("the bed"))
-        }))
-    ));
+    line("machine", &campaign.machine_name);
+    branch("bed to tool", Branch::Tool);
+    branch("bed to workpiece", Branch::Workpiece);
+    let targets = campaign.targets.iter().map(|target| {
+        let carrier = target.carrier.map(|axis| machine.axes()[axis].name());
+        format!("{} on {}", target.name, carrier.unwrap_or("the bed"))
+    });
+    line("targets", &list(targets));
     if let Some(lengths) = &campaign.lengths {
-        say(&format!(
-            "  stations  {}",
-            list(campaign.stations.iter().map(|s| s.name.clone()))
-        ));
-        say(&format!(
-            "  lengths   {} in {}",
-            lengths.readings.len(),
-            counted(lengths.stops.len(), "stop")
-        ));
+        let stations = campaign.stations.iter().map(|s| s.name.clone());
+        line("stations", &list(stations));
+        measured("lengths", lengths.readings.len(), lengths.stops.len());
     }
     if let Some(points) = &campaign.points {
-        say(&format!(
-            "  points    {} in {}",
-            points.readings.len(),
-            counted(points.stops.len(), "stop")
-        ));
+        measured("points", points.readings.len(), points.stops.len());
     }
     for (number, run) in campaign.runs.iter().enumerate() {
-        let steps = campaign
-            .steps
-            .iter()
-            .filter(|step| step.run == Some(number))
-            .count();
-        let axis = machine.axes()[run.axis].name();
-        say(&format!(
-            "  run       {}: axis {axis}, {}",
-            run.name,
-            counted(steps, "step")
-        ));
+        let steps = campaign.steps.iter();
+        let steps = steps.filter(|step| step.run == Some(number)).count();
+        let (axis, steps) = (machine.axes()[run.axis].name(), counted(steps, "step"));
+        line("run", &format!("{}: axis {axis}, {steps}", run.name));
     }
     say_all(coverage::lines(campaign));
     for verification in &campaign.verification {
         let readings = counted(verification.readings.len(), "reading");
-        say(&format!("  verify    {}: {readings}", verification.name));
+        line("verify", &format!("{}: {readings}", verification.name));
     }
     for check in &campaign.point_checks {
         let places = counted(check.readings.len(), "point");
-        say(&format!("  verify    {}: {places}", check.name));
+        line("verify", &format!("{}: {places}", check.name));
     }
 }
 

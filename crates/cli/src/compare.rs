@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use trueaxis_files::round;
+use trueaxis_files::{round, without_nulls};
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
 use trueaxis_predict::{CalibratedMachine, Difference, check_same_machine, position_in_file};
 
@@ -82,17 +82,15 @@ fn to_json(
             let values = curve.iter().map(|d| json!(round(of(d) / unit, DECIMALS)));
             values.collect()
         };
-        let mut value = json!({
-            format!("first_{suffix}"): column(&|d| d.first),
-            format!("difference_{suffix}"): column(&Difference::value),
-            format!("u_{suffix}"): column(&|d| d.u),
-        });
         let in_file = |d: &Difference, q| position_in_file(axes[d.axis].kind(), q);
         let positions = curve.iter().filter_map(|d| Some(in_file(d, d.position?)));
         let positions: Vec<f64> = positions.collect();
-        if !positions.is_empty() {
-            value["positions"] = json!(positions);
-        }
+        let value = without_nulls(json!({
+            format!("first_{suffix}"): column(&|d| d.first),
+            format!("difference_{suffix}"): column(&Difference::value),
+            format!("u_{suffix}"): column(&|d| d.u),
+            "positions": (!positions.is_empty()).then_some(positions),
+        }));
         (curve[0].name.clone(), value)
     };
     json!({

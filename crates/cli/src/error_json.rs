@@ -17,7 +17,7 @@ pub(crate) fn text(error: &anyhow::Error, exit: Exit) -> String {
         "format": "trueaxis-error",
         "version": 1,
         "code": code,
-        "exit_code": exit.code(),
+        "exit_code": exit as u8,
         "message": messages.collect::<Vec<_>>().join(": "),
         "file": drawing::file(error).map(|file| file.display().to_string()),
         "line": at.map(|(line, _)| line),

@@ -5,45 +5,32 @@ use std::process::ExitCode;
 use crate::codes;
 use crate::talk::say;
 
-/// How the program ends.
+/// How the program ends, with what the shell sees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
 pub(crate) enum Exit {
-    /// 0.
-    Good,
-    /// 2: the command line is wrong (clap's own code), or what it asks for cannot be written or made.
-    Usage,
-    /// 3: an input file is wrong.
-    Input,
-    /// 4: the adjustment did not reach an answer that fits the data.
-    NotConverged,
-    /// 5: the data do not determine what is sought.
-    NotIdentifiable,
-    /// 6: the data reject the model, and the user asked to fail then.
-    Misfit,
-    /// 70: a bug.
-    Internal,
+    Good = 0,
+    /// The command line is wrong (clap's own code), or what it asks for cannot be written or made.
+    Usage = 2,
+    /// An input file is wrong.
+    Input = 3,
+    /// The adjustment did not reach an answer that fits the data.
+    NotConverged = 4,
+    /// The data do not determine what is sought.
+    NotIdentifiable = 5,
+    /// The data reject the model, and the user asked to fail then.
+    Misfit = 6,
+    /// A bug.
+    Internal = 70,
 }
 
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> Self {
-        Self::from(exit.code())
+        Self::from(exit as u8)
     }
 }
 
 impl Exit {
-    /// What the shell sees.
-    pub(crate) fn code(self) -> u8 {
-        match self {
-            Self::Good => 0,
-            Self::Usage => 2,
-            Self::Input => 3,
-            Self::NotConverged => 4,
-            Self::NotIdentifiable => 5,
-            Self::Misfit => 6,
-            Self::Internal => 70,
-        }
-    }
-
     /// How a verb ends with `--fail-on-misfit` if the data reject the model.
     pub(crate) fn of_misfit(is_rejected: bool) -> Self {
         if !is_rejected {

@@ -82,7 +82,7 @@ impl DiagnosisSection {
             .iter()
             .flat_map(|level| level.bar.iter().chain(&level.places));
         let levels = levels.chain(self.causes.iter().flat_map(|cause| &cause.figures));
-        levels.chain(self.disturbances.iter().flat_map(DisturbanceView::figures))
+        levels.chain(self.disturbances.iter().flat_map(|one| &one.figures))
     }
 }
 

@@ -14,7 +14,7 @@ use crate::words;
 pub(crate) struct AxisSection {
     name: String,
     kind: &'static str,
-    figures: Vec<Figure>,
+    pub(crate) figures: Vec<Figure>,
     rows: Vec<Summary>,
     /// Names of the sides of approach, where they are kept apart.
     sides: Vec<&'static str>,
@@ -47,12 +47,6 @@ const SIZE: [f64; 2] = [340.0, 200.0];
 
 /// Small multiples, in the order of the names: displacements, then angles.
 const ORDER: [char; 6] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
-
-impl AxisSection {
-    pub(crate) fn figures(&self) -> impl Iterator<Item = &Figure> {
-        self.figures.iter()
-    }
-}
 
 pub(crate) fn sections(calibration: &Calibration) -> Vec<AxisSection> {
     let axes = calibration.axes.iter();

@@ -12,7 +12,7 @@ use crate::svg::ticks::{Scale, range};
 pub(crate) struct DisturbanceView {
     name: String,
     /// One for each coordinate.
-    figures: Vec<Figure>,
+    pub(crate) figures: Vec<Figure>,
 }
 
 impl DisturbanceView {
@@ -22,10 +22,6 @@ impl DisturbanceView {
             name: of.name(),
             figures: smooth(k, curve, argument(of), coordinates(of)),
         }
-    }
-
-    pub(crate) fn figures(&self) -> impl Iterator<Item = &Figure> {
-        self.figures.iter()
     }
 }
 

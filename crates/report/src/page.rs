@@ -136,7 +136,7 @@ impl<'a> Page<'a> {
 
     /// All figures, in the order of the page.
     pub(crate) fn figures(&self) -> Vec<&Figure> {
-        let of_axes = self.axes.iter().flat_map(AxisSection::figures);
+        let of_axes = self.axes.iter().flat_map(|axis| &axis.figures);
         let of_evidence = self.evidence.iter().flat_map(Evidence::figures);
         let of_causes = self.causes.iter().flat_map(DiagnosisSection::figures);
         let of_verified = self.verified.iter().flat_map(VerificationSection::figures);

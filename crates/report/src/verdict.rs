@@ -131,8 +131,7 @@ fn said(diagnosis: &Diagnosis) -> String {
         .collect();
     match diagnosis.verdict.as_str() {
         "clean" => "Diagnosis: clean, nothing but noise beside the rigid model.".to_owned(),
-        "named" => format!("Diagnosis: {}.", names.join("; ")),
-        "ambiguous" => format!("Diagnosis: {}.", names.join("; ")),
+        "named" | "ambiguous" => format!("Diagnosis: {}.", names.join("; ")),
         "unknown" if !diagnosis.disturbances.is_empty() => {
             let names = diagnosis.disturbances.iter().map(Disturbance::name);
             let names: Vec<String> = names.collect();

@@ -36,13 +36,7 @@ impl StopCircumstances<'_> {
         station_mm: Point3<f64>,
         points_mm: &[Point3<f64>],
     ) -> Vec<Displaced> {
-        let Self {
-            plan,
-            visit,
-            positions,
-            progress,
-            temperatures,
-        } = *self;
+        let (plan, visit, progress) = (self.plan, self.visit, self.progress);
         let turn_s = progress.occupations_s.get(visit.station);
         let readings = visit.targets.iter().zip(&visit.times_s).zip(points_mm);
         let displaced = readings.map(|((&target, &time_s), &point_mm)| {
@@ -60,11 +54,11 @@ impl StopCircumstances<'_> {
                 direction: f64::from(visit.direction.sign()),
                 // The machine stands still at a stop.
                 speed_per_s: 0.0,
-                positions,
+                positions: self.positions,
                 point_mm,
                 centroid_mm: self.centroid_mm(carrier, points_mm),
                 distance_mm: (point_mm - station_mm).norm(),
-                temperatures,
+                temperatures: self.temperatures,
                 ..Circumstances::new(&plan.machine)
             };
             plan.effects

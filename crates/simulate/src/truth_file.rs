@@ -8,7 +8,8 @@ use std::path::Path;
 use nalgebra::Point3;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
-use trueaxis_files::{Place, round};
+use trueaxis_campaign::Direction;
+use trueaxis_files::{Place, round, without_nulls};
 use trueaxis_kinematics::{ARCSEC, Component, MICROMETRE};
 
 use crate::{Error, Problem, TrueComponents, TrueLocation, Truth};
@@ -42,27 +43,23 @@ impl Serialize for Truth {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let locations = self.location_errors.iter();
         let locations = locations.map(|location| (location.name.clone(), of_location(location)));
-        let mut file = json!({
+        // A campaign with an ideal scale and ideal reflectors says nothing about them.
+        let has_scale = self.scale_ppm.abs() > 0.0;
+        let has_constants = self.reflectors.iter().any(|r| r.constant_um.abs() > 0.0);
+        let file = without_nulls(json!({
             "format": Self::FORMAT,
             "version": Self::VERSION,
             "campaign": self.campaign,
             "seed": self.seed,
             "noise": self.noise,
-        });
-        // A campaign with an ideal scale and ideal reflectors says nothing about them.
-        if self.scale_ppm.abs() > 0.0 {
-            file["scale_ppm"] = json!(round(self.scale_ppm, DECIMALS));
-        }
-        if self.reflectors.iter().any(|r| r.constant_um.abs() > 0.0) {
-            file["reflectors"] = json!(self.reflectors);
-        }
-        file["stations"] = json!(self.stations);
-        file["targets"] = json!(self.targets);
-        file["axes"] = self.axes.iter().map(of_axis).collect();
-        file["location_errors"] = locations.collect();
-        if !self.effects.is_empty() {
-            file["effects"] = json!(self.effects);
-        }
+            "scale_ppm": has_scale.then(|| round(self.scale_ppm, DECIMALS)),
+            "reflectors": has_constants.then_some(&self.reflectors),
+            "stations": self.stations,
+            "targets": self.targets,
+            "axes": self.axes.iter().map(of_axis).collect::<Value>(),
+            "location_errors": locations.collect::<Value>(),
+            "effects": (!self.effects.is_empty()).then_some(&self.effects),
+        }));
         file.serialize(serializer)
     }
 }
@@ -82,18 +79,16 @@ fn of_axis(axis: &TrueComponents) -> Value {
             json!({ field: values.collect::<Value>() }),
         )
     });
-    let mut file = json!({
+    let signs = |sides: &Vec<Direction>| sides.iter().map(|side| side.sign()).collect::<Value>();
+    without_nulls(json!({
         "name": axis.name,
         "kind": axis.kind.name(),
         "unit": axis.kind.position_unit(),
         "positions": positions.collect::<Value>(),
-    });
-    if let Some(directions) = &axis.directions {
-        file["direction"] = directions.iter().map(|side| side.sign()).collect();
-    }
-    file["reference_point_mm"] = json!(<[f64; 3]>::from(axis.reference_mm));
-    file["components"] = components.collect();
-    file
+        "direction": axis.directions.as_ref().map(signs),
+        "reference_point_mm": <[f64; 3]>::from(axis.reference_mm),
+        "components": components.collect::<Value>(),
+    }))
 }
 
 fn of_location(location: &TrueLocation) -> Value {
