@@ -80,7 +80,7 @@ impl Columns {
         kind: Kind,
         map: &Map,
         names: Names<'_>,
-        path: &[PlannedStop],
+        path: &[PlannedStop<'_>],
     ) -> Result<Self, Error> {
         check_known(map)?;
         let finder = Finder {
@@ -91,9 +91,8 @@ impl Columns {
         let time = match finder.column("time_s")? {
             None => None,
             Some(source) => {
-                let name = map.columns.get("time_s").and_then(|c| c.unit.as_deref());
                 let of = [Quantity::Time, Quantity::Clock];
-                Some((source, map.unit("columns.time_s", name, &of)?))
+                Some((source, map.unit_of_column("time_s", &of)?))
             }
         };
         let mut columns = Self {
@@ -119,7 +118,7 @@ impl Columns {
         if kind == Kind::Lengths && columns.station.is_none() {
             return nothing("station", "station = { value = \"S1\" } below [columns]");
         }
-        let has_order = |stop: &PlannedStop| !stop.targets.is_empty();
+        let has_order = |stop: &PlannedStop<'_>| !stop.leg.targets.is_empty();
         let all_have_order = !path.is_empty() && path.iter().all(has_order);
         if columns.target.is_none() && map.stops.targets.is_empty() && !all_have_order {
             return nothing(

@@ -90,7 +90,7 @@ impl Finder<'_> {
     }
 
     /// The axes in the order of their names.
-    pub(crate) fn axes(&self, path: &[PlannedStop]) -> Result<Vec<AxisColumn>, Error> {
+    pub(crate) fn axes(&self, path: &[PlannedStop<'_>]) -> Result<Vec<AxisColumn>, Error> {
         let map = self.map;
         if map.axes.is_empty() {
             return Err(Problem::Nothing {
@@ -99,10 +99,8 @@ impl Finder<'_> {
             }
             .at(map.whole()));
         }
-        let moving = path.iter().flat_map(|stop| {
-            let others = stop.at.iter().map(|(axis, _)| axis);
-            others.chain([&stop.axis])
-        });
+        let legs = path.iter().map(|stop| stop.leg);
+        let moving = legs.flat_map(|leg| leg.at.keys().chain([&leg.axis]));
         for axis in moving {
             if !map.axes.contains_key(axis) {
                 let problem = DocumentProblem::unknown_name("axis", axis, map.axes.keys());
@@ -140,30 +138,22 @@ impl Finder<'_> {
         let mut numbers = Vec::new();
         for &name in required {
             let Some(source) = self.column(name)? else {
-                let unit = "mm";
                 let example =
-                    format!("{name} = {{ column = \"…\", unit = \"{unit}\" }} below [columns]");
+                    format!("{name} = {{ column = \"…\", unit = \"mm\" }} below [columns]");
                 let name = name.to_owned();
                 return Err(Problem::Nothing { name, example }.at(map.whole()));
             };
-            let unit = map
-                .columns
-                .get(name)
-                .and_then(|column| column.unit.as_deref());
-            let unit = map.unit(&format!("columns.{name}"), unit, &[Quantity::Length])?;
-            let (name, unit, optional) = (name.to_owned(), Some(unit), false);
             numbers.push(NumberColumn {
-                name,
+                name: name.to_owned(),
                 source,
-                unit,
-                optional,
+                unit: Some(map.unit_of_column(name, &[Quantity::Length])?),
+                optional: false,
             });
         }
-        for (name, column) in &map.columns {
+        for name in map.columns.keys() {
             let unit = match (kind, name.as_str()) {
                 (Kind::Points, SIGMA) => {
-                    let field = format!("columns.{name}");
-                    let unit = map.unit(&field, column.unit.as_deref(), &[Quantity::Length])?;
+                    let unit = map.unit_of_column(name, &[Quantity::Length])?;
                     Some(Unit {
                         size: unit.size * MICROMETRES,
                         ..unit
@@ -173,12 +163,11 @@ impl Finder<'_> {
                 _ => continue,
             };
             if let Some(source) = self.column(name)? {
-                let (name, optional) = (name.clone(), true);
                 numbers.push(NumberColumn {
-                    name,
+                    name: name.clone(),
                     source,
                     unit,
-                    optional,
+                    optional: true,
                 });
             }
         }

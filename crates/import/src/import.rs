@@ -163,11 +163,14 @@ pub fn import(kind: Kind, bytes: &[u8], file: Option<&Path>, map: &Map) -> Resul
         }
     }
     skipped.sort_by_key(|skipped| skipped.line);
-    let more = faults.len().saturating_sub(1);
-    if let Some((line, fault)) = faults.into_iter().next() {
+    let others = faults.len().saturating_sub(1);
+    if let Some((line, mut fault)) = faults.into_iter().next() {
+        if let Problem::Cell { more, .. } | Problem::Short { more, .. } = &mut fault.problem {
+            *more = others;
+        }
         place.line = Some(line);
         place.part = fault.column.map(Part::Column);
-        return Err(with_more(fault.problem, more).at(Box::new(place)));
+        return Err(fault.problem.at(Box::new(place)));
     }
     if rows.is_empty() {
         return Err(no_rows(&skipped, "do comment and skip_rows mark too much?"));
@@ -188,24 +191,6 @@ pub fn import(kind: Kind, bytes: &[u8], file: Option<&Path>, map: &Map) -> Resul
         stops,
         notices: notices(map, &columns),
     })
-}
-
-fn with_more(problem: Problem, rows: usize) -> Problem {
-    match problem {
-        Problem::Cell {
-            found, expected, ..
-        } => Problem::Cell {
-            found,
-            expected,
-            more: rows,
-        },
-        Problem::Short { found, needed, .. } => Problem::Short {
-            found,
-            needed,
-            more: rows,
-        },
-        other => other,
-    }
 }
 
 fn header(kind: Kind, columns: &Columns) -> Vec<String> {
@@ -254,31 +239,29 @@ fn cells_of(kind: Kind, index: usize, (row, visit): &(Row, Visit)) -> Vec<String
 
 /// What was not read.
 fn notices(map: &Map, columns: &Columns) -> Vec<String> {
-    let mut notices = Vec::new();
-    let mut say = |missing: bool, text: &str| {
-        if missing {
-            notices.push(text.to_owned());
-        }
-    };
-    say(
-        columns.time.is_none(),
-        "no column holds the time: the rows are counted, 1 s each; rates of drift will be per row",
-    );
-    say(
-        columns.target.is_none(),
-        "no column holds the target: it follows from the order of the rows",
-    );
-    say(
-        !map.stops.path.is_empty(),
-        "where the machine stood follows from the order of the rows and the path",
-    );
-    say(
-        columns.direction.is_none() && map.stops.path.is_empty(),
-        "no column holds the direction: it is that of the motion from stop to stop",
-    );
-    say(
-        columns.repeat.is_none(),
-        "no column holds the repeat: visits to one position from one side are counted",
-    );
-    notices
+    let by_path = !map.stops.path.is_empty();
+    let said = [
+        (
+            columns.time.is_none(),
+            "no column holds the time: the rows are counted, 1 s each; rates of drift will be per row",
+        ),
+        (
+            columns.target.is_none(),
+            "no column holds the target: it follows from the order of the rows",
+        ),
+        (
+            by_path,
+            "where the machine stood follows from the order of the rows and the path",
+        ),
+        (
+            columns.direction.is_none() && !by_path,
+            "no column holds the direction: it is that of the motion from stop to stop",
+        ),
+        (
+            columns.repeat.is_none(),
+            "no column holds the repeat: visits to one position from one side are counted",
+        ),
+    ];
+    let said = said.into_iter().filter(|(is_missing, _)| *is_missing);
+    said.map(|(_, text)| text.to_owned()).collect()
 }

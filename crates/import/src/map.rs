@@ -248,6 +248,13 @@ impl Map {
         })
     }
 
+    /// The unit of a column of the table.
+    pub(crate) fn unit_of_column(&self, name: &str, of: &[Quantity]) -> Result<Unit, Error> {
+        let column = self.columns.get(name);
+        let unit = column.and_then(|column| column.unit.as_deref());
+        self.unit(&format!("columns.{name}"), unit, of)
+    }
+
     /// An error with a value of the map.
     pub(crate) fn wrong(&self, field: &str, found: impl Into<String>, expected: &str) -> Error {
         Problem::value(found, expected).at(self.place(field))

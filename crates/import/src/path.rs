@@ -5,18 +5,13 @@ use trueaxis_files::DocumentProblem;
 use crate::map::Leg;
 
 /// A stop of a path.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct PlannedStop {
-    pub(crate) run: String,
-    /// The axis that moves and its position.
-    pub(crate) axis: String,
+#[derive(Debug, Clone)]
+pub(crate) struct PlannedStop<'m> {
+    pub(crate) leg: &'m Leg,
+    /// Of the axis that moves.
     pub(crate) position: f64,
     /// +1 or -1.
     pub(crate) direction: i8,
-    /// The targets in their order; none if it is that of all stops.
-    pub(crate) targets: Vec<String>,
-    /// Positions of other axes by name.
-    pub(crate) at: Vec<(String, f64)>,
 }
 
 /// More stops than this are a step of the wrong unit.
@@ -26,7 +21,7 @@ const MOST_STOPS: f64 = 100_000.0;
 const WHOLE_STEPS_TOL: f64 = 1e-6;
 
 /// The stops of one round of the path.
-pub(crate) fn stops(path: &[Leg]) -> Result<Vec<PlannedStop>, (usize, DocumentProblem)> {
+pub(crate) fn stops(path: &[Leg]) -> Result<Vec<PlannedStop<'_>>, (usize, DocumentProblem)> {
     let mut stops = Vec::new();
     for (index, leg) in path.iter().enumerate() {
         let mut positions = positions(leg).map_err(|problem| (index, problem))?;
@@ -35,21 +30,13 @@ pub(crate) fn stops(path: &[Leg]) -> Result<Vec<PlannedStop>, (usize, DocumentPr
             let turn = positions.len() / 2;
             positions[turn..].reverse();
         }
-        let at: Vec<(String, f64)> = leg.at.iter().map(|(a, &at)| (a.clone(), at)).collect();
         let directions = directions(&positions);
-        stops.extend(
-            positions
-                .iter()
-                .zip(directions)
-                .map(|(&position, direction)| PlannedStop {
-                    run: leg.run.clone(),
-                    axis: leg.axis.clone(),
-                    position,
-                    direction,
-                    targets: leg.targets.clone(),
-                    at: at.clone(),
-                }),
-        );
+        let approached = positions.into_iter().zip(directions);
+        stops.extend(approached.map(|(position, direction)| PlannedStop {
+            leg,
+            position,
+            direction,
+        }));
     }
     Ok(stops)
 }
@@ -122,7 +109,8 @@ mod tests {
 
     #[test]
     fn there_and_back() {
-        let stops = stops(&[leg(true, [0.0, 0.3, 0.1])]).unwrap();
+        let legs = [leg(true, [0.0, 0.3, 0.1])];
+        let stops = stops(&legs).unwrap();
         let found: Vec<(f64, i8)> = stops.iter().map(|s| (s.position, s.direction)).collect();
         let there = [(0.0, 1), (0.1, 1), (0.2, 1), (0.3, 1)];
         let back = [(0.3, -1), (0.2, -1), (0.1, -1), (0.0, -1)];
@@ -131,7 +119,8 @@ mod tests {
 
     #[test]
     fn downward() {
-        let stops = stops(&[leg(false, [20.0, 0.0, -10.0])]).unwrap();
+        let legs = [leg(false, [20.0, 0.0, -10.0])];
+        let stops = stops(&legs).unwrap();
         assert!(stops.iter().all(|stop| stop.direction == -1));
         assert_eq!(stops.len(), 3);
     }

@@ -42,15 +42,15 @@ pub(crate) fn visits(
     rows: Vec<Row>,
     map: &Map,
     columns: &Columns,
-    path: &[PlannedStop],
+    path: &[PlannedStop<'_>],
 ) -> Result<Vec<(Row, Visit)>, (usize, Problem)> {
-    let order = |stop: Option<&PlannedStop>| match stop {
-        Some(stop) if !stop.targets.is_empty() => stop.targets.clone(),
-        _ => map.stops.targets.clone(),
+    let order = |stop: &PlannedStop<'_>| match stop.leg.targets.is_empty() {
+        true => map.stops.targets.clone(),
+        false => stop.leg.targets.clone(),
     };
     let orders: Vec<Vec<String>> = match path {
-        [] => vec![order(None)],
-        path => path.iter().map(|stop| order(Some(stop))).collect(),
+        [] => vec![map.stops.targets.clone()],
+        path => path.iter().map(order).collect(),
     };
     let stops = stops(&rows, &orders);
     if columns.target.is_none()
@@ -77,7 +77,7 @@ pub(crate) fn visits(
         .zip(&planned)
         .map(|(stop, planned)| {
             let run = rows[stop.start].run.clone();
-            run.or_else(|| planned.map(|stop| stop.run.clone()))
+            run.or_else(|| planned.map(|stop| stop.leg.run.clone()))
                 .unwrap_or_default()
         })
         .collect();
@@ -151,8 +151,8 @@ fn stops<'o>(rows: &[Row], orders: &'o [Vec<String>]) -> Vec<(Range<usize>, &'o 
 fn planned<'p>(
     rows: &[Row],
     stops: &[Range<usize>],
-    path: &'p [PlannedStop],
-) -> Result<Vec<Option<&'p PlannedStop>>, (usize, Problem)> {
+    path: &'p [PlannedStop<'p>],
+) -> Result<Vec<Option<&'p PlannedStop<'p>>>, (usize, Problem)> {
     if path.is_empty() {
         return Ok(vec![None; stops.len()]);
     }
@@ -175,18 +175,12 @@ fn planned<'p>(
 }
 
 /// Positions of all axes: as read, or of the path, in which an axis that nothing is said of stands at 0.
-fn positions(row: &Row, columns: &Columns, planned: Option<&PlannedStop>) -> Vec<f64> {
+fn positions(row: &Row, columns: &Columns, planned: Option<&PlannedStop<'_>>) -> Vec<f64> {
     let axes = columns.axes.iter().zip(&row.axes);
     axes.map(|(axis, read)| {
         let by_plan = planned.and_then(|stop| {
-            let moving = (stop.axis == axis.name).then_some(stop.position);
-            let standing = || {
-                stop.at
-                    .iter()
-                    .find(|(name, _)| *name == axis.name)
-                    .map(|(_, at)| *at)
-            };
-            moving.or_else(standing)
+            let moving = (stop.leg.axis == axis.name).then_some(stop.position);
+            moving.or_else(|| stop.leg.at.get(&axis.name).copied())
         });
         read.unwrap_or_else(|| axis.unit.convert(by_plan.unwrap_or(0.0)))
     })
