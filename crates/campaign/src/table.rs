@@ -200,11 +200,7 @@ impl Row<'_> {
 
     /// A finite number.
     pub(crate) fn number(&self, column: Column) -> Result<f64, Error> {
-        let cell = self.cell(column);
-        cell::number(cell).ok_or_else(|| {
-            let (found, expected) = cell::number_problem(cell);
-            Problem::value(found, expected).at(self.place(column))
-        })
+        self.finite(column, cell::number_problem)
     }
 
     /// A finite number or, where the column is not there or the cell is empty, none.
@@ -217,9 +213,13 @@ impl Row<'_> {
 
     /// A time, s: a finite number.
     pub(crate) fn time_s(&self, column: Column) -> Result<f64, Error> {
+        self.finite(column, cell::time_problem)
+    }
+
+    fn finite(&self, column: Column, problem: fn(&[u8]) -> (String, String)) -> Result<f64, Error> {
         let cell = self.cell(column);
         cell::number(cell).ok_or_else(|| {
-            let (found, expected) = cell::time_problem(cell);
+            let (found, expected) = problem(cell);
             Problem::value(found, expected).at(self.place(column))
         })
     }

@@ -29,30 +29,22 @@ fn kind(
     use VerificationKindEntry::{Ballbar, Points, Positioning};
     let path = format!("verification[{index}]");
     // Which fields an entry may have depends on its kind.
-    for (name, kind, of, is_there) in [
-        ("axis", "positioning", Positioning, entry.axis.is_some()),
-        (
-            "target_mm",
-            "positioning",
-            Positioning,
-            entry.target_mm.is_some(),
-        ),
-        ("ball_mm", "ballbar", Ballbar, entry.ball_mm.is_some()),
-        (
-            "ball_carried_by",
-            "ballbar",
-            Ballbar,
-            entry.ball_carried_by.is_some(),
-        ),
-        ("center_mm", "ballbar", Ballbar, entry.center_mm.is_some()),
-        (
-            "length_is_calibrated",
-            "ballbar",
-            Ballbar,
-            entry.length_is_calibrated.is_some(),
-        ),
+    let of_line = [
+        ("axis", entry.axis.is_some()),
+        ("target_mm", entry.target_mm.is_some()),
+    ];
+    let of_bar = [
+        ("ball_mm", entry.ball_mm.is_some()),
+        ("ball_carried_by", entry.ball_carried_by.is_some()),
+        ("center_mm", entry.center_mm.is_some()),
+        ("length_is_calibrated", entry.length_is_calibrated.is_some()),
+    ];
+    for (kind, of, fields) in [
+        ("positioning", Positioning, &of_line[..]),
+        ("ballbar", Ballbar, &of_bar),
     ] {
-        if is_there && of != entry.kind {
+        let mut fields = fields.iter().filter(|_| of != entry.kind);
+        if let Some((name, _)) = fields.find(|(_, is_there)| *is_there) {
             let found = format!("`{name}` belongs to the kind `{kind}`");
             let expected = "only fields of the kind given; remove it, or correct `kind`";
             let place = Place::in_field(format!("{path}.{name}"));

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use strsim::damerau_levenshtein;
+
 /// The names that exist, and the one most like the name found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Alternatives {
@@ -24,7 +26,7 @@ impl Alternatives {
         let found = found.to_lowercase();
         let nearest = known
             .iter()
-            .map(|name| (distance(&found, &name.to_lowercase()), name))
+            .map(|name| (damerau_levenshtein(&found, &name.to_lowercase()), name))
             .filter(|&(edits, name)| {
                 // Half of the letters may differ: `S9` suggests `S1`, `Z` does not suggest `X`.
                 2 * edits <= found.chars().count().max(name.chars().count())
@@ -33,11 +35,6 @@ impl Alternatives {
             .map(|(_, name)| name.clone());
         Self { nearest, known }
     }
-}
-
-/// Edits from one name to the other; a swap of two neighbours is one.
-fn distance(a: &str, b: &str) -> usize {
-    strsim::damerau_levenshtein(a, b)
 }
 
 impl fmt::Display for Alternatives {
@@ -62,43 +59,29 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_nearest_name_is_the_one_with_the_fewest_edits() {
-        let known = ["name", "position_mm", "carried_by"];
-        let found = Alternatives::new("carryed_by", known);
-        assert_eq!(found.nearest.as_deref(), Some("carried_by"));
-        assert_eq!(
-            found.to_string(),
-            "did you mean `carried_by`? known: name, position_mm, carried_by"
-        );
-    }
-
-    #[test]
-    fn suggests_what_is_close() {
-        let nearest = |found: &str| {
-            Alternatives::new(found, ["targets", "stations", "runs", "repeats"]).nearest
-        };
-        assert_eq!(nearest("station").as_deref(), Some("stations"));
-        assert_eq!(nearest("repaets").as_deref(), Some("repeats"));
-    }
-
-    #[test]
-    fn suggests_nothing_where_nothing_is_known() {
-        let none: [&str; 0] = [];
-        assert_eq!(Alternatives::new("anything", none).nearest, None);
-    }
-
-    #[test]
-    fn case_is_the_least_difference() {
-        assert_eq!(
-            Alternatives::new("x", ["Y", "X"]).nearest.as_deref(),
-            Some("X")
-        );
-    }
-
-    #[test]
-    fn nothing_is_suggested_for_a_name_unlike_all() {
-        let found = Alternatives::new("Z", ["X", "Y"]);
-        assert_eq!(found.nearest, None);
-        assert_eq!(found.to_string(), "known: X, Y");
+    fn the_nearest_name_has_the_fewest_edits_if_one_is_similar() {
+        const FIELDS: &[&str] = &["targets", "stations", "runs", "repeats"];
+        for (found, known, nearest) in [
+            (
+                "carryed_by",
+                &["name", "carried_by"][..],
+                Some("carried_by"),
+            ),
+            ("station", FIELDS, Some("stations")),
+            // A swap of two neighbours is one edit, another case none.
+            ("repaets", FIELDS, Some("repeats")),
+            ("x", &["Y", "X"], Some("X")),
+            ("Z", &["X", "Y"], None),
+            ("anything", &[], None),
+        ] {
+            let found = Alternatives::new(found, known);
+            assert_eq!(found.nearest.as_deref(), nearest);
+            let listed = match known {
+                [] => "none is known".to_owned(),
+                _ => format!("known: {}", known.join(", ")),
+            };
+            let meant = nearest.map(|name| format!("did you mean `{name}`? "));
+            assert_eq!(found.to_string(), meant.unwrap_or_default() + &listed);
+        }
     }
 }

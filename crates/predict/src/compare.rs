@@ -6,7 +6,7 @@
 //! away differs by nothing. Translations and average lines are those of the reference point, so that calibrations with
 //! other reference points are not compared; average lines over other travels are ([`CalibratedMachine::other_travels`]).
 
-use trueaxis_kinematics::{AxisKind, Component, GeometricErrors};
+use trueaxis_kinematics::{AxisKind, Component};
 
 use crate::calibrated_machine::{CalibratedAxis, CalibratedMachine};
 
@@ -119,24 +119,22 @@ impl CalibratedMachine {
             }
         }
         for (name, a, b) in self.pairs(second) {
-            for (i, component) in b.reported.iter().enumerate() {
-                let Some(k) = a.reported.iter().position(|other| other == component) else {
-                    continue;
+            for component in b.reported.iter().filter(|c| a.reported.contains(c)) {
+                let of = |machine: &Self, axis: &CalibratedAxis| {
+                    let place = axis.reported.iter().position(|other| other == component);
+                    let place = [(axis.first_location + place.unwrap_or_default(), 1.0)];
+                    let variance = machine.factors.between(&place, &place).max(0.0);
+                    (component.of(&axis.location), variance.sqrt())
                 };
-                let u = |machine: &Self, place: usize| {
-                    let place = [(place, 1.0)];
-                    machine.factors.between(&place, &place).max(0.0).sqrt()
-                };
-                let of = |machine: &Self, axis: usize| component.of(&machine.location(axis));
+                let ((first, u_a), (second, u_b)) = (of(self, a), of(second, b));
                 all.push(Difference {
                     name: component.name(name),
                     axis: b.axis,
                     position: None,
                     is_angular: component.is_angular(),
-                    first: of(self, a.axis),
-                    second: of(second, b.axis),
-                    u: u(self, a.first_location + k).hypot(u(second, b.first_location + i))
-                        + unknown,
+                    first,
+                    second,
+                    u: u_a.hypot(u_b) + unknown,
                 });
             }
         }
