@@ -122,7 +122,7 @@ impl Finder<'_> {
             axes.push(AxisColumn {
                 name: name.clone(),
                 source,
-                unit: map.unit(&field, Some(&axis.unit), &of)?,
+                unit: map.unit(&field, axis.unit.as_deref(), &of)?,
             });
         }
         Ok(axes)

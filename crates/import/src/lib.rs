@@ -49,5 +49,5 @@ mod unit;
 
 pub use error::{Error, Problem};
 pub use import::{Imported, Kind, Skipped, import, read};
-pub use map::{AxisMap, ColumnMap, ColumnName, Leg, Map, Split, Stops};
+pub use map::{ColumnMap, ColumnName, Leg, Map, Split, Stops};
 pub use unit::Unit;

@@ -28,8 +28,8 @@ pub struct Map {
     pub skip_rows: Vec<String>,
     /// Columns of the table by name, but those of the axes.
     pub columns: BTreeMap<String, ColumnMap>,
-    /// Axes of the machine by name.
-    pub axes: BTreeMap<String, AxisMap>,
+    /// Axes of the machine by name; the unit is that of positions in the path, too.
+    pub axes: BTreeMap<String, ColumnMap>,
     /// Columns that hold several things in one text.
     pub split: Vec<Split>,
     /// Names of targets, stations and runs in the export, and what the campaign calls them.
@@ -43,7 +43,7 @@ pub struct Map {
     text: String,
 }
 
-/// Where a column of the table comes from.
+/// Where a column of the table, or the position of an axis, comes from.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(
     deny_unknown_fields,
@@ -51,29 +51,12 @@ pub struct Map {
     expecting = "as { column = \"X\", unit = \"mm\" }"
 )]
 pub struct ColumnMap {
-    /// The column of the export.
-    pub column: Option<ColumnName>,
-    /// Instead of a column, the same in all rows.
-    pub value: Option<ColumnName>,
-    /// Unit of a coordinate, a length or a time.
-    pub unit: Option<String>,
-}
-
-/// Where the position of an axis comes from.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(
-    deny_unknown_fields,
-    expecting = "as { column = \"X\", unit = \"mm\" }"
-)]
-pub struct AxisMap {
     /// The column of the export; not if a pattern or the path tells it.
-    #[serde(default)]
     pub column: Option<ColumnName>,
     /// Instead of a column, the same in all rows.
-    #[serde(default)]
     pub value: Option<ColumnName>,
-    /// Unit of the positions, also of those in the path.
-    pub unit: String,
+    /// Unit of a coordinate, a length, a time or a position.
+    pub unit: Option<String>,
 }
 
 /// A column by its name or number, or a value.

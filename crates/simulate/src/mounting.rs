@@ -1,9 +1,9 @@
 //! Mounting errors that would move the reference frame.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
+use trueaxis_campaign::Target;
 use trueaxis_kinematics::{FrameRule, SmallMotion};
 
-use crate::plan::PlannedTarget;
 use crate::{Error, Problem};
 
 /// Decimal mounting errors sum to zero within rounding, far below the 1e-7 mm of a length.
@@ -17,11 +17,17 @@ const MENDED_PER_MM: f64 = 1e12;
 
 /// Refuses mounting errors whose rigid part belongs to the reference frame: the mean of those of
 /// the targets that anchor it, and their best-fit rotation as far as no lines fix it.
-pub(crate) fn check_mounting(frame: &FrameRule, targets: &[PlannedTarget]) -> Result<(), Error> {
-    let anchors: Vec<&PlannedTarget> = frame.anchors().map(|target| &targets[target]).collect();
+pub(crate) fn check_mounting(
+    frame: &FrameRule,
+    targets: &[Target],
+    homes_mm: &[Point3<f64>],
+) -> Result<(), Error> {
+    let anchors: Vec<&Target> = frame.anchors().map(|target| &targets[target]).collect();
+    let shifts = frame.anchors();
+    let shifts = shifts.map(|target| homes_mm[target] - targets[target].home_mm);
+    let shifts: Vec<Vector3<f64>> = shifts.collect();
     // A scenario has no tilts of these lines but the one that leaves the frame alone.
     let tilts = vec![Vector3::zeros(); frame.lines().count()];
-    let shifts: Vec<Vector3<f64>> = anchors.iter().map(|t| t.mounting_mm()).collect();
     let rigid = frame.motion(&tilts, &shifts);
     let names: Vec<&str> = anchors.iter().map(|target| target.name.as_str()).collect();
     let targets = names.join(", ");
@@ -29,7 +35,7 @@ pub(crate) fn check_mounting(frame: &FrameRule, targets: &[PlannedTarget]) -> Re
         return Err(Problem::MountingMean {
             targets,
             mean_mm: rigid.translation.into(),
-            corrected: corrected(&anchors, &rigid),
+            corrected: corrected(&anchors, &shifts, &rigid),
         }
         .at("targets"));
     }
@@ -37,7 +43,7 @@ pub(crate) fn check_mounting(frame: &FrameRule, targets: &[PlannedTarget]) -> Re
         return Err(Problem::MountingRotation {
             targets,
             rotation_rad: rigid.rotation.into(),
-            corrected: corrected(&anchors, &rigid),
+            corrected: corrected(&anchors, &shifts, &rigid),
         }
         .at("targets"));
     }
@@ -45,11 +51,14 @@ pub(crate) fn check_mounting(frame: &FrameRule, targets: &[PlannedTarget]) -> Re
 }
 
 /// The mounting errors without the motion that belongs to the frame.
-fn corrected(anchors: &[&PlannedTarget], rigid: &SmallMotion) -> String {
-    let corrected = anchors.iter().map(|target| {
-        let left = target.mounting_mm() - rigid.at(target.nominal_mm);
-        let m = left.map(|c| (c * MENDED_PER_MM).round() / MENDED_PER_MM + 0.0);
-        format!("{} [{}, {}, {}]", target.name, m.x, m.y, m.z)
-    });
+fn corrected(anchors: &[&Target], mounting_mm: &[Vector3<f64>], rigid: &SmallMotion) -> String {
+    let corrected = anchors
+        .iter()
+        .zip(mounting_mm)
+        .map(|(target, mounting_mm)| {
+            let left = mounting_mm - rigid.at(target.home_mm);
+            let m = left.map(|c| (c * MENDED_PER_MM).round() / MENDED_PER_MM + 0.0);
+            format!("{} [{}, {}, {}]", target.name, m.x, m.y, m.z)
+        });
     corrected.collect::<Vec<_>>().join(", ")
 }

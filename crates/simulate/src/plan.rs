@@ -24,7 +24,10 @@ pub(crate) use crate::plan_runs::PlannedRun;
 /// Everything that a simulation needs beside stations and clock.
 pub(crate) struct Plan {
     pub(crate) machine: Machine,
-    pub(crate) targets: Vec<PlannedTarget>,
+    /// As the campaign declares them.
+    pub(crate) targets: Vec<Target>,
+    /// Where they truly are at home.
+    pub(crate) homes_mm: Vec<Point3<f64>>,
     pub(crate) runs: Vec<PlannedRun>,
     pub(crate) bed: PlannedBed,
     pub(crate) frame: FrameRule,
@@ -35,46 +38,22 @@ pub(crate) struct Plan {
     pub(crate) expansions: Vec<AxisExpansion>,
 }
 
-/// A target with its nominal and its true home position.
-pub(crate) struct PlannedTarget {
-    pub(crate) name: String,
-    pub(crate) nominal_mm: Point3<f64>,
-    pub(crate) home_mm: Point3<f64>,
-    pub(crate) carrier: Option<usize>,
-    pub(crate) reflector: Option<String>,
-    pub(crate) position_sigma_mm: Option<f64>,
-}
-
-impl PlannedTarget {
-    /// True minus nominal, mm.
-    pub(crate) fn mounting_mm(&self) -> Vector3<f64> {
-        self.home_mm - self.nominal_mm
-    }
-
-    /// The target as the campaign file declares it.
-    pub(crate) fn declared(&self) -> Target {
-        Target {
-            name: self.name.clone(),
-            home_mm: self.nominal_mm,
-            carrier: self.carrier,
-            reflector: self.reflector.clone(),
-            position_sigma_mm: self.position_sigma_mm,
-        }
-    }
-}
-
 impl Plan {
     pub(crate) fn new(scenario: &Scenario) -> Result<Self, Error> {
         check_header(scenario)?;
         let machine = scenario.machine.build()?;
         let targets = plan_targets(scenario, &machine)?;
+        let mounted = scenario.targets.iter().zip(&targets);
+        let mounted =
+            mounted.map(|(own, target)| target.home_mm + Vector3::from(own.mounting_error_mm));
+        let homes_mm: Vec<Point3<f64>> = mounted.collect();
         check_stations(scenario)?;
         let runs = plan_runs(scenario, &machine, &targets)?;
         let bed = plan_bed(scenario, &targets, &runs)?;
         check_timing(scenario)?;
         let frame = frame_rule(&machine, &targets, &runs);
         let errors = read_errors(scenario, &machine, &runs, &frame)?;
-        check_mounting(&frame, &targets)?;
+        check_mounting(&frame, &targets, &homes_mm)?;
         let noise = Noise::of(scenario)?;
         check_temperatures(scenario)?;
         let effects = resolve_all(
@@ -87,6 +66,7 @@ impl Plan {
         Ok(Self {
             machine,
             targets,
+            homes_mm,
             runs,
             bed,
             frame,
@@ -117,7 +97,7 @@ fn check_header(scenario: &Scenario) -> Result<(), Error> {
     Ok(())
 }
 
-fn plan_targets(scenario: &Scenario, machine: &Machine) -> Result<Vec<PlannedTarget>, Error> {
+fn plan_targets(scenario: &Scenario, machine: &Machine) -> Result<Vec<Target>, Error> {
     let axes: Vec<&str> = machine.axes().iter().map(Axis::name).collect();
     let names: Vec<&str> = scenario.targets.iter().map(|t| t.name.as_str()).collect();
     check::distinct_names("targets", "target", &names)?;
@@ -132,11 +112,9 @@ fn plan_targets(scenario: &Scenario, machine: &Machine) -> Result<Vec<PlannedTar
             }
             let carrier = target.carried_by.as_ref();
             let carrier = carrier.map(|name| index_of(field("carried_by"), "axis", name, &axes));
-            let nominal_mm = Point3::from(target.position_mm);
-            Ok(PlannedTarget {
+            Ok(Target {
                 name: target.name.clone(),
-                nominal_mm,
-                home_mm: nominal_mm + Vector3::from(target.mounting_error_mm),
+                home_mm: Point3::from(target.position_mm),
                 carrier: carrier.transpose()?,
                 reflector: target.reflector.clone(),
                 position_sigma_mm: target.position_sigma_mm,
@@ -160,12 +138,7 @@ fn check_stations(scenario: &Scenario) -> Result<(), Error> {
 }
 
 /// What the effects can happen to.
-fn scene(
-    scenario: &Scenario,
-    machine: &Machine,
-    targets: &[PlannedTarget],
-    runs: &[PlannedRun],
-) -> Scene {
+fn scene(scenario: &Scenario, machine: &Machine, targets: &[Target], runs: &[PlannedRun]) -> Scene {
     let moving: BTreeSet<usize> = runs.iter().map(|run| run.axis).collect();
     let targets = targets.iter().map(|target| SceneTarget {
         name: target.name.clone(),

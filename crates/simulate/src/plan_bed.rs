@@ -1,7 +1,8 @@
 //! Targets on the bed: which, and when they are read.
 
+use trueaxis_campaign::Target;
+
 use crate::check;
-use crate::plan::PlannedTarget;
 use crate::plan_runs::PlannedRun;
 use crate::{Error, Scenario};
 
@@ -25,7 +26,7 @@ const FEWEST: u32 = 2;
 
 pub(crate) fn plan_bed(
     scenario: &Scenario,
-    targets: &[PlannedTarget],
+    targets: &[Target],
     runs: &[PlannedRun],
 ) -> Result<PlannedBed, Error> {
     let on_bed = (0..targets.len()).filter(|&t| targets[t].carrier.is_none());

@@ -1,11 +1,10 @@
 //! The runs of a scenario: which positions, targets and directions.
 
-use trueaxis_campaign::{AxisSpec, Direction};
+use trueaxis_campaign::{AxisSpec, Direction, Target};
 use trueaxis_files::{DocumentProblem, index_of};
 use trueaxis_kinematics::{Axis, Machine};
 
 use crate::check;
-use crate::plan::PlannedTarget;
 use crate::{Error, Problem, RunSpec, Scenario, Sweep};
 
 /// A run with its commanded positions in mm or rad.
@@ -25,7 +24,7 @@ pub(crate) struct PlannedRun {
 pub(crate) fn plan_runs(
     scenario: &Scenario,
     machine: &Machine,
-    targets: &[PlannedTarget],
+    targets: &[Target],
 ) -> Result<Vec<PlannedRun>, Error> {
     let names: Vec<&str> = scenario.runs.iter().map(|run| run.name.as_str()).collect();
     check::distinct_names("runs", "run", &names)?;
@@ -64,7 +63,7 @@ struct RunPlan<'a> {
 }
 
 impl RunPlan<'_> {
-    fn plan(&self, targets: &[PlannedTarget]) -> Result<PlannedRun, Error> {
+    fn plan(&self, targets: &[Target]) -> Result<PlannedRun, Error> {
         let field = format!("{}.axis", self.field);
         let axis = index_of(field, "axis", &self.spec.axis, &self.axes)?;
         Ok(PlannedRun {
@@ -134,11 +133,7 @@ impl RunPlan<'_> {
         Ok(kind.position_from_file(position))
     }
 
-    fn measured_targets(
-        &self,
-        axis: usize,
-        targets: &[PlannedTarget],
-    ) -> Result<Vec<usize>, Error> {
+    fn measured_targets(&self, axis: usize, targets: &[Target]) -> Result<Vec<usize>, Error> {
         let moves = |target: usize| {
             let chain = self.machine.chain(targets[target].carrier);
             chain.contains(&axis)

@@ -6,7 +6,7 @@ use trueaxis_campaign::{Station, Step, Stop};
 
 use crate::circumstances::{Progress, StopCircumstances};
 use crate::noise::Deviates;
-use crate::plan::{Plan, PlannedTarget};
+use crate::plan::Plan;
 use crate::schedule::{Visit, schedule};
 use crate::systematic::{Systematic, known_dead_paths};
 use crate::temperature::{self, Expansions, true_histories};
@@ -126,11 +126,9 @@ fn measure_stop(
     let deviation_mm = deviates.normal_vector() * returns_mm;
     let readings = visit.targets.iter().zip(&visit.times_s);
     let points = readings.map(|(&target, &time_s)| {
-        let PlannedTarget {
-            carrier, home_mm, ..
-        } = &plan.targets[target];
+        let (carrier, home_mm) = (plan.targets[target].carrier, plan.homes_mm[target]);
         let reached = once.expansions.reached(stop.positions, time_s);
-        let p = plan.machine.position(&errors, *carrier, &reached, *home_mm);
+        let p = plan.machine.position(&errors, carrier, &reached, home_mm);
         p + deviation_mm
     });
     let points: Vec<Point3<f64>> = points.collect();
@@ -168,7 +166,7 @@ fn campaign(
         machine_name: scenario.machine.name.clone(),
         instrument: scenario.instrument.clone(),
         known_lengths: plan.known_lengths(seed),
-        targets: plan.targets.iter().map(PlannedTarget::declared).collect(),
+        targets: plan.targets,
         stations: stations
             .map(|(s, known)| declared_station(s, known))
             .collect(),

@@ -4,7 +4,6 @@
 //! Each part has its own stream of the random generator, and what is listed draws its deviate all the
 //! same: no part changes another, nor the noise.
 
-use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trueaxis_campaign::{
@@ -14,7 +13,7 @@ use trueaxis_files::{check_names, index_of};
 use trueaxis_kinematics::MICROMETRE;
 
 use crate::noise::{Deviates, Part};
-use crate::plan::{Plan, PlannedTarget};
+use crate::plan::Plan;
 use crate::{Error, Scenario, check};
 
 /// True standard deviations of what is drawn once for the campaign; what is not given is as declared.
@@ -84,12 +83,11 @@ pub(crate) struct PlannedSystematic {
 }
 
 impl PlannedSystematic {
-    pub(crate) fn new(scenario: &Scenario, targets: &[PlannedTarget]) -> Result<Self, Error> {
-        let declared: Vec<Target> = targets.iter().map(PlannedTarget::declared).collect();
+    pub(crate) fn new(scenario: &Scenario, targets: &[Target]) -> Result<Self, Error> {
         // What the campaign would be refused for.
         check_instrument(&scenario.instrument)?;
-        check_reflectors(&declared)?;
-        let (reflector_names, reflector_of_target) = reflectors(&declared);
+        check_reflectors(targets)?;
+        let (reflector_names, reflector_of_target) = reflectors(targets);
         let own = &scenario.systematic;
         let sigma = |name, own, declared| check::sigma("systematic", name, own, declared);
         let instrument = &scenario.instrument;
@@ -131,10 +129,7 @@ fn listed(scenario: &Scenario, names: &[String]) -> Result<Vec<Option<f64>>, Err
     Ok(constants_um)
 }
 
-fn known_lengths(
-    scenario: &Scenario,
-    targets: &[PlannedTarget],
-) -> Result<Vec<([usize; 2], f64)>, Error> {
+fn known_lengths(scenario: &Scenario, targets: &[Target]) -> Result<Vec<([usize; 2], f64)>, Error> {
     let names: Vec<&str> = targets.iter().map(|target| target.name.as_str()).collect();
     let specs = scenario.known_lengths.iter().enumerate();
     specs
@@ -192,9 +187,8 @@ impl Plan {
     pub(crate) fn set_nests(&mut self, seed: u64) {
         let mut deviates = Deviates::of_part(seed, Part::Nests);
         let sigmas_mm = &self.systematic.nest_sigmas_mm;
-        for (target, &sigma_mm) in self.targets.iter_mut().zip(sigmas_mm) {
-            let off_mm: Vector3<f64> = deviates.normal_vector() * sigma_mm;
-            target.home_mm += off_mm;
+        for (home_mm, &sigma_mm) in self.homes_mm.iter_mut().zip(sigmas_mm) {
+            *home_mm += deviates.normal_vector() * sigma_mm;
         }
     }
 
@@ -203,7 +197,7 @@ impl Plan {
         let mut deviates = Deviates::of_part(seed, Part::KnownLengths);
         let known = self.systematic.known_lengths.iter();
         let known = known.map(|&(targets, sigma_um)| {
-            let [a, b] = targets.map(|target| self.targets[target].home_mm);
+            let [a, b] = targets.map(|target| self.homes_mm[target]);
             let off_mm = deviates.normal() * sigma_um * MICROMETRE;
             KnownLength {
                 targets,

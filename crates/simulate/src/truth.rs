@@ -115,7 +115,7 @@ impl Truth {
     ) -> Self {
         let reflectors = systematic.reflectors.iter();
         let stations = scenario.stations.iter();
-        let targets = plan.targets.iter();
+        let targets = plan.targets.iter().zip(&plan.homes_mm);
         let runs = |axis| plan.runs.iter().any(|run| run.axis == axis);
         let measured: Vec<usize> = (0..plan.machine.axes().len())
             .filter(|&i| runs(i))
@@ -139,9 +139,9 @@ impl Truth {
                 })
                 .collect(),
             targets: targets
-                .map(|target| TrueTarget {
+                .map(|(target, &home_mm)| TrueTarget {
                     name: target.name.clone(),
-                    home_mm: target.home_mm,
+                    home_mm,
                 })
                 .collect(),
             axes: measured.iter().map(|&i| components(plan, i)).collect(),
