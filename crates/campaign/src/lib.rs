@@ -109,6 +109,7 @@ pub use document::{AxisKindSpec, AxisSpec, KinematicsSpec, MachineSpec, schema};
 pub use error::Error;
 pub use header::ColumnFault;
 pub use logged::{LoggedColumn, LoggedQuantity};
+pub use machine::frame_rule;
 pub use model::*;
 pub use plausibility::UnitMistake;
 pub use positions::{Position, read_positions};

@@ -2,11 +2,11 @@
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_files::{check_names, index_of};
-use trueaxis_kinematics::{Axis, AxisKind, Branch, Machine};
+use trueaxis_kinematics::{Axis, AxisKind, Branch, FrameRule, Machine, NominalTarget};
 
 use crate::header::is_fixed_column;
 use crate::{
-    AxisKindSpec, AxisSpec, Campaign, Error, KinematicsSpec, MachineSpec, Place, Problem,
+    AxisKindSpec, AxisSpec, Campaign, Error, KinematicsSpec, MachineSpec, Place, Problem, Target,
     position_unit,
 };
 
@@ -122,4 +122,18 @@ impl AxisSpec {
             temperature_sigma_k: None,
         }
     }
+}
+
+/// The rule that fixes the reference frame for the nominal targets; `measured` says which runs see them: pairs of the index
+/// of a run's axis and that of a target.
+pub fn frame_rule(
+    machine: &Machine,
+    targets: &[Target],
+    measured: impl IntoIterator<Item = (usize, usize)>,
+) -> FrameRule {
+    let nominal = targets.iter().map(|target| NominalTarget {
+        carrier: target.carrier,
+        home_mm: target.home_mm,
+    });
+    FrameRule::new(machine, &nominal.collect::<Vec<_>>(), measured)
 }

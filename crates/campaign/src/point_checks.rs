@@ -89,7 +89,7 @@ pub(crate) fn text(check: &PointCheck, machine: &Machine) -> String {
             None => {}
         }
         match reading.cycle {
-            Some(cycle) => rows.counting_number(cycle),
+            Some(cycle) => rows.number(cycle),
             None if has_cycle => rows.optional_number(None),
             None => {}
         }

@@ -1,11 +1,11 @@
 //! Building the text of a CSV file.
 
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 use trueaxis_files::csv_cell;
 use trueaxis_kinematics::Machine;
 
-use crate::{Direction, position_unit};
+use crate::position_unit;
 
 /// Decimals of a length in mm, 0.1 nm: below every instrument's resolution.
 const LENGTH_DECIMALS: usize = 7;
@@ -35,7 +35,7 @@ impl Rows {
     }
 
     /// A number in the fewest digits that give all its bits again.
-    pub(crate) fn number(&mut self, number: f64) {
+    pub(crate) fn number(&mut self, number: impl Display) {
         self.separate();
         self.push(format_args!("{number}"));
     }
@@ -56,18 +56,6 @@ impl Rows {
     /// A time, s, on the grid of the file.
     pub(crate) fn time_s(&mut self, time_s: f64) {
         self.rounded(time_s, TIME_DECIMALS);
-    }
-
-    /// A repeat or cycle.
-    pub(crate) fn counting_number(&mut self, number: u32) {
-        self.separate();
-        self.push(format_args!("{number}"));
-    }
-
-    /// A side of approach.
-    pub(crate) fn direction(&mut self, direction: Direction) {
-        self.separate();
-        self.push(format_args!("{}", direction.sign()));
     }
 
     /// Several cells made by [`position_cells`].

@@ -223,10 +223,10 @@ impl<'a> StopWriter<'a> {
         if R::HAS_STATION {
             rows.name(station.unwrap_or_default());
         }
-        rows.counting_number(stop.repeat);
+        rows.number(stop.repeat);
         rows.name(run.map(|run| run.name.as_str()).unwrap_or_default());
         match run {
-            Some(_) => rows.direction(stop.direction),
+            Some(_) => rows.number(stop.direction.sign()),
             None => rows.name(""),
         }
         rows.positions(position_cells.map(String::as_str).unwrap_or_default());

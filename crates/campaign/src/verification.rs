@@ -197,8 +197,8 @@ pub(crate) fn text(verification: &Verification, machine: &Machine) -> String {
                 None => rows.optional_number(None),
             }
         }
-        rows.counting_number(reading.cycle);
-        rows.direction(reading.direction);
+        rows.number(reading.cycle);
+        rows.number(reading.direction.sign());
         rows.positions(&position_cells(machine, &reading.positions));
         rows.number(reading.value_um);
         rows.end_row();

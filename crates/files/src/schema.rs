@@ -6,7 +6,7 @@ use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Value, json};
 
-use crate::{Format, Ordered};
+use crate::{Format, Ordered, value_to_json};
 
 impl Format {
     /// The JSON Schema (draft 2020-12) of a document that is read as `T`.
@@ -15,7 +15,7 @@ impl Format {
         let mut schema = self.root::<T>(settings);
         schema["properties"]["$schema"] =
             json!({ "description": "A schema, for editors; it is ignored.", "type": "string" });
-        text(&schema)
+        value_to_json(&schema)
     }
 
     /// The JSON Schema of a document that is written as `T`: it has no fields but those.
@@ -23,7 +23,7 @@ impl Format {
         let settings = SchemaSettings::draft2020_12().for_serialize();
         let mut schema = self.root::<T>(settings);
         close(&mut schema);
-        text(&schema)
+        value_to_json(&schema)
     }
 
     fn root<T: JsonSchema>(&self, settings: SchemaSettings) -> Value {
@@ -34,11 +34,6 @@ impl Format {
         properties["version"] = json!({ "const": self.version });
         schema
     }
-}
-
-fn text(schema: &Value) -> String {
-    // Serialising a JSON value has no way to fail.
-    crate::to_json(schema).expect("a JSON value serialises")
 }
 
 /// Refuses other fields than those named, at every depth.

@@ -3,22 +3,7 @@
 //! True errors that would move the frame of `trueaxis-kinematics` against the simulated machine's own
 //! are refused: the truth is expressed in the machine's frame.
 
-use trueaxis_campaign::Target;
-use trueaxis_kinematics::{FrameRule, LocationComponent, Machine, NominalTarget};
-
-use crate::plan::PlannedRun;
-
-/// The frame of a campaign with these runs.
-pub(crate) fn frame_rule(machine: &Machine, targets: &[Target], runs: &[PlannedRun]) -> FrameRule {
-    let nominal = targets.iter().map(|target| NominalTarget {
-        carrier: target.carrier,
-        home_mm: target.home_mm,
-    });
-    let measured = runs
-        .iter()
-        .flat_map(|run| run.targets.iter().map(|&target| (run.axis, target)));
-    FrameRule::new(machine, &nominal.collect::<Vec<_>>(), measured)
-}
+use trueaxis_kinematics::{FrameRule, LocationComponent, Machine};
 
 /// Why that location error of that axis is zero by definition, if it is.
 pub(crate) fn why_zero(

@@ -3,13 +3,12 @@
 use std::collections::BTreeSet;
 
 use nalgebra::{Point3, Vector3};
-use trueaxis_campaign::{AxisExpansion, Target};
+use trueaxis_campaign::{AxisExpansion, Target, frame_rule};
 use trueaxis_effects::{ResolvedEffect, Scene, SceneTarget, resolve_all};
 use trueaxis_files::{DocumentProblem, index_of};
 use trueaxis_kinematics::{Axis, FrameRule, Machine};
 
 use crate::check;
-use crate::frame::frame_rule;
 use crate::mounting::check_mounting;
 use crate::plan_bed::{PlannedBed, plan_bed};
 use crate::plan_runs::plan_runs;
@@ -51,7 +50,10 @@ impl Plan {
         let runs = plan_runs(scenario, &machine, &targets)?;
         let bed = plan_bed(scenario, &targets, &runs)?;
         check_timing(scenario)?;
-        let frame = frame_rule(&machine, &targets, &runs);
+        let measured = runs.iter();
+        let measured =
+            measured.flat_map(|run| run.targets.iter().map(|&target| (run.axis, target)));
+        let frame = frame_rule(&machine, &targets, measured);
         let errors = read_errors(scenario, &machine, &runs, &frame)?;
         check_mounting(&frame, &targets, &homes_mm)?;
         let noise = Noise::of(scenario)?;

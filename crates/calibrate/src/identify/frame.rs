@@ -1,7 +1,8 @@
 //! The reference frame of a campaign: the rule of `trueaxis-kinematics` on what was measured.
 
 use nalgebra::{DMatrix, Vector3};
-use trueaxis_kinematics::{AxisKind, LocationComponent, Machine, NominalTarget};
+use trueaxis_campaign::frame_rule;
+use trueaxis_kinematics::{AxisKind, LocationComponent, Machine};
 use trueaxis_leastsquares::dense::Svd;
 
 use crate::identify::context::Context;
@@ -37,16 +38,11 @@ pub(crate) struct Anchor {
 impl FrameRule {
     pub(crate) fn new(context: &Context<'_>) -> Self {
         let data = context.data;
-        let targets = context.campaign.targets.iter().map(|target| NominalTarget {
-            carrier: target.carrier,
-            home_mm: target.home_mm,
-        });
-        let targets: Vec<NominalTarget> = targets.collect();
         let measured = data.iter().flat_map(|axis| {
             let targets = axis.runs.iter().flat_map(|run| &run.targets);
             targets.map(|&target| (axis.axis, target))
         });
-        let rule = trueaxis_kinematics::FrameRule::new(context.machine, &targets, measured);
+        let rule = frame_rule(context.machine, &context.campaign.targets, measured);
         let lines: Vec<usize> = rule
             .lines()
             .filter_map(|axis| context.place_of(axis))

@@ -4,8 +4,7 @@
 //! that the frame takes out is taken out here.
 
 use nalgebra::Vector3;
-use trueaxis_campaign::Campaign;
-use trueaxis_kinematics::{FrameRule, NominalTarget};
+use trueaxis_campaign::{Campaign, frame_rule};
 
 use super::ReplayError;
 use crate::{TargetSpec, Truth};
@@ -38,10 +37,6 @@ pub(super) fn targets(campaign: &Campaign, truth: &Truth) -> Result<Vec<TargetSp
 }
 
 fn into_the_frame(campaign: &Campaign, errors_mm: &mut [Vector3<f64>]) -> Result<(), ReplayError> {
-    let nominal = campaign.targets.iter().map(|target| NominalTarget {
-        carrier: target.carrier,
-        home_mm: target.home_mm,
-    });
     let lengths = campaign.lengths.iter();
     let measured = lengths.flat_map(|lengths| {
         lengths.stops.iter().flat_map(|stop| {
@@ -52,7 +47,7 @@ fn into_the_frame(campaign: &Campaign, errors_mm: &mut [Vector3<f64>]) -> Result
                 .filter_map(move |reading| Some((axis?, reading.target)))
         })
     });
-    let frame = FrameRule::new(&campaign.machine, &nominal.collect::<Vec<_>>(), measured);
+    let frame = frame_rule(&campaign.machine, &campaign.targets, measured);
     let tilts = vec![Vector3::zeros(); frame.lines().count()];
     let shifts: Vec<_> = frame.anchors().map(|target| errors_mm[target]).collect();
     let motion = frame.motion(&tilts, &shifts);
