@@ -6,8 +6,8 @@ use trueaxis_files::Format;
 
 use crate::Instrument;
 
-/// The format read and written.
-pub(crate) const FORMAT: Format = Format {
+/// The format of `campaign.json`.
+pub const FORMAT: Format = Format {
     name: "trueaxis-campaign",
     version: 1,
     noun: "a campaign",

@@ -105,7 +105,7 @@ mod write;
 
 pub use checksums::{InputFile, checksums};
 pub use coverage::{Coverage, Hole, Seen};
-pub use document::{AxisKindSpec, AxisSpec, KinematicsSpec, MachineSpec, schema};
+pub use document::{AxisKindSpec, AxisSpec, FORMAT, KinematicsSpec, MachineSpec, schema};
 pub use error::Error;
 pub use header::ColumnFault;
 pub use logged::{LoggedColumn, LoggedQuantity};

@@ -160,7 +160,7 @@ fn verified(
         .map(|point| (kind, point.positions.as_slice(), came_from(point)))
         .collect();
     let covariance = machine.covariance_of_readings(&readings);
-    let set_up = set_up(nominal, kind, &points);
+    let set_up = set_up(nominal, kind, &points.iter().collect::<Vec<_>>());
     let p_value = settle(machine, &mut points, &covariance, &set_up, is_compensated);
     Ok(Verified {
         name: verification.name.clone(),
@@ -309,7 +309,7 @@ fn u_of_length_um(u_um: Option<f64>, u_ppm: Option<f64>, length_mm: f64) -> Opti
 }
 
 /// Columns of what the machine does not tell.
-fn set_up(machine: &Machine, kind: &VerificationKind, points: &[Point]) -> DMatrix<f64> {
+fn set_up(machine: &Machine, kind: &VerificationKind, points: &[&Point]) -> DMatrix<f64> {
     let columns: Vec<Vec<f64>> = match *kind {
         VerificationKind::Positioning { axis, .. } => {
             let lines = positioning_lines(axis, points.iter().map(|p| p.positions.as_slice()));

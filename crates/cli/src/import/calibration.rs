@@ -6,8 +6,7 @@ use clap::Args as ClapArgs;
 use serde::Deserialize;
 use trueaxis_campaign::{InputFile, MachineSpec};
 use trueaxis_compensate::{DeclaredUncertainty, Import, import};
-use trueaxis_files::Format;
-use trueaxis_predict::FactoredCovariance;
+use trueaxis_predict::{CalibratedMachine, FactoredCovariance};
 
 use crate::args::positive;
 use crate::exit::Exit;
@@ -108,25 +107,13 @@ struct SaysFormat {
     format: String,
 }
 
-const CAMPAIGN: Format = Format {
-    name: "trueaxis-campaign",
-    version: 1,
-    noun: "a campaign",
-};
-
-const CALIBRATION: Format = Format {
-    name: "trueaxis-calibration",
-    version: 1,
-    noun: "a calibration",
-};
-
 fn read_machine(path: &Path) -> anyhow::Result<MachineSpec> {
     let text = read_text(path, "--machine wants a campaign.json with the machine")?;
     // What is no JSON is refused as a campaign.
     let said = serde_json::from_str::<SaysFormat>(&text);
-    let format = match said.is_ok_and(|said| said.format == CALIBRATION.name) {
-        true => CALIBRATION,
-        false => CAMPAIGN,
+    let format = match said.is_ok_and(|said| said.format == CalibratedMachine::FORMAT.name) {
+        true => CalibratedMachine::FORMAT,
+        false => trueaxis_campaign::FORMAT,
     };
     let read: WithMachine = format.read(&text, Some(path))?;
     Ok(read.machine)

@@ -14,13 +14,12 @@
 //!   the radius of the least-squares circle of both paths from the nominal one. Both need a bar of calibrated length.
 //! - `H`: circular hysteresis, the largest difference of the two paths.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use trueaxis_campaign::{Direction, VerificationKind};
 use trueaxis_kinematics::Machine;
-use trueaxis_predict::{MeasuredPoint, ball_bar_set_up};
 
 use crate::freedom::pseudo_inverse;
-use crate::verify::{Point, ROUNDING, are_same};
+use crate::verify::{Point, ROUNDING, are_same, set_up};
 
 /// The quantities, µm. Those of a path that was not run are not there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,11 +103,7 @@ impl Path {
         if points.is_empty() {
             return None;
         }
-        let along = points
-            .iter()
-            .map(|point| MeasuredPoint::new(machine, kind, &point.positions).along);
-        let columns = ball_bar_set_up(&along.collect::<Vec<_>>());
-        let set_up = DMatrix::from_fn(points.len(), columns.len(), |row, c| columns[c][row]);
+        let set_up = set_up(machine, kind, points);
         let readings = points.iter().map(|point| point.reading_um);
         let readings = DVector::from_iterator(points.len(), readings);
         let mut fitted = pseudo_inverse(&set_up, ROUNDING * set_up.norm()) * &readings;

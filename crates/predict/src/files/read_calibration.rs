@@ -17,12 +17,6 @@ use crate::files::read_error::{CovarianceProblem, ReadError};
 use crate::interpolation::Node;
 use crate::output::Unit;
 
-const FORMAT: Format = Format {
-    name: "trueaxis-calibration",
-    version: 1,
-    noun: "a calibration",
-};
-
 #[derive(Deserialize)]
 #[serde(expecting = "an object: the calibration")]
 struct Document {
@@ -80,6 +74,13 @@ impl Document {
 }
 
 impl CalibratedMachine {
+    /// The format of `calibration.json`.
+    pub const FORMAT: Format = Format {
+        name: "trueaxis-calibration",
+        version: 1,
+        noun: "a calibration",
+    };
+
     /// Reads `calibration.json`, and, if its errors have uncertainties, `covariance.npz` beside it.
     ///
     /// # Errors
@@ -90,7 +91,7 @@ impl CalibratedMachine {
             hint: "give the path of a calibration.json",
             source,
         })?;
-        let document: Document = FORMAT.read(&text, Some(path))?;
+        let document: Document = Self::FORMAT.read(&text, Some(path))?;
         let machine = document.machine.build().map_err(|mut error| {
             error.place.file = Some(path.to_owned());
             error
