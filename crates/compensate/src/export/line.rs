@@ -1,11 +1,13 @@
 //! The deviations of the axes along the line on which one axis moves the tool point.
 
+use nalgebra::Vector3;
 use trueaxis_campaign::Direction;
-use trueaxis_kinematics::{AxisKind, GeometricErrors};
+use trueaxis_kinematics::{AxisKind, Branch, Machine, MotionError};
 use trueaxis_predict::Approach;
 
 use crate::export::{Request, Rule};
-use crate::{Error, Moved, axis_deviations};
+use crate::freedom::Freedom;
+use crate::{Error, Moved};
 
 /// Slopes beyond this are no errors of a machine, mm per mm.
 const STEEPEST: f64 = 0.01;
@@ -32,8 +34,31 @@ pub(crate) struct Line {
 impl Line {
     /// At the steps of the axis, or at the spacing that is asked for.
     pub(crate) fn new(request: &Request<'_>, axis: usize) -> Result<Self, Error> {
+        Self::of(request, axis, &deviations)
+    }
+
+    /// The same for a table that moves no axis but this one: what it can take away alone.
+    pub(crate) fn alone(request: &Request<'_>, axis: usize) -> Result<Self, Error> {
+        Self::of(request, axis, &own_deviation)
+    }
+
+    fn of(
+        request: &Request<'_>,
+        axis: usize,
+        deviations: &dyn Fn(&Request<'_>, usize, &[f64], &MotionError) -> Vec<f64>,
+    ) -> Result<Self, Error> {
         let positions = positions(request, axis)?;
-        let home = deviations(request, request.machine, axis, 0.0);
+        let machine = request.machine.machine();
+        let commanded = |position: f64| {
+            let mut commanded = vec![0.0; machine.axes().len()];
+            commanded[axis] = position;
+            commanded
+        };
+        let deviations_at =
+            |commanded: &[f64], error: &MotionError| deviations(request, axis, commanded, error);
+        let home = commanded(0.0);
+        let error = machine.tool_error(request.machine, &home, request.at);
+        let home = deviations_at(&home, &error);
         let from = |direction| {
             let approach = Approach {
                 machine: request.machine,
@@ -41,7 +66,9 @@ impl Line {
                 direction,
             };
             let at = |&position: &f64| -> Vec<f64> {
-                let deviations = deviations(request, &approach, axis, position);
+                let commanded = commanded(position);
+                let error = machine.tool_error(&approach, &commanded, request.at);
+                let deviations = deviations_at(&commanded, &error);
                 let pairs = deviations.iter().zip(&home);
                 pairs.map(|(d, home)| d - home).collect()
             };
@@ -210,21 +237,43 @@ impl Sums {
     }
 }
 
-/// How far the axes are off with axis `axis` at a position and all others at home: linear axes by the position of the tool
-/// point, a rotary axis by its angle, mm or rad.
+/// How far the axes are off by an error of the tool with axis `axis` at its place and all others at home, mm or rad: linear
+/// axes by the position of the tool point, of which it takes its own part itself, where another one is parallel; a rotary
+/// axis by its angle.
 fn deviations(
     request: &Request<'_>,
-    errors: &impl GeometricErrors,
     axis: usize,
-    position: f64,
+    commanded: &[f64],
+    error: &MotionError,
 ) -> Vec<f64> {
     let machine = request.machine.machine();
-    let mut commanded = vec![0.0; machine.axes().len()];
-    commanded[axis] = position;
-    let of = |moved| axis_deviations(machine, errors, &commanded, request.at, moved);
-    let mut deviations = of(Moved::Linear);
-    if machine.axes()[axis].kind() == AxisKind::Rotary {
-        deviations[axis] = of(Moved::All)[axis];
+    let freedom = Freedom::new(machine, commanded, request.at, Moved::Linear);
+    let own = own_deviation(request, axis, commanded, error);
+    let mut rest = *error;
+    if machine.axes()[axis].kind() == AxisKind::Linear {
+        rest.translation_mm -= direction(machine, axis) * own[axis];
     }
-    deviations
+    let of_rest = freedom.undoing(&rest).into_iter();
+    of_rest.zip(own).map(|(by, own)| own - by).collect()
+}
+
+/// How far the axis itself is off, along or about its direction: nothing for the others.
+fn own_deviation(request: &Request<'_>, axis: usize, _: &[f64], error: &MotionError) -> Vec<f64> {
+    let machine = request.machine.machine();
+    let part = match machine.axes()[axis].kind() {
+        AxisKind::Linear => error.translation_mm,
+        AxisKind::Rotary => error.rotation_rad,
+    };
+    let mut own = vec![0.0; machine.axes().len()];
+    own[axis] = direction(machine, axis).dot(&part);
+    own
+}
+
+/// In which an axis moves the tool against the workpiece, all others at home.
+fn direction(machine: &Machine, axis: usize) -> Vector3<f64> {
+    let direction = machine.axes()[axis].direction().into_inner();
+    match machine.branch(Branch::Workpiece).contains(&axis) {
+        true => -direction,
+        false => direction,
+    }
 }

@@ -66,7 +66,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         let name = format!("{}{ENDING}", request.name(axis));
         let old = old(&name).map(triplets).transpose()?;
         let is_asked = asked.contains(&axis);
-        let new = is_asked.then(|| Line::new(request, axis));
+        let new = is_asked.then(|| Line::alone(request, axis));
         let new = new.transpose()?;
         let triplets = match (&new, old) {
             (Some(line), old) => summed(request, line, &old.unwrap_or_default()),

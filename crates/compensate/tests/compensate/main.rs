@@ -15,6 +15,7 @@ mod onto;
 mod parallel_lines;
 mod point_checks;
 mod remains;
+mod single_lines;
 mod verify;
 
 use nalgebra::Point3;
