@@ -1,9 +1,13 @@
 //! What people do wrong, made in campaigns of three machines: the message names the mistake and where it was made.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use nalgebra::Rotation3;
 use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_campaign::{Campaign, Stop, read, write};
 use trueaxis_kinematics::Axis;
+use trueaxis_mistakes::{Mistakes, Trial};
+use trueaxis_poses::AdjustmentReport;
 use trueaxis_simulate::{Scenario, simulate};
 
 use crate::round_trip::SHIPPED;
@@ -317,4 +321,45 @@ fn assert_no_mistake_is_named(name: &str) {
 fn a_contradiction_without_a_mistake_is_explained_by_none() {
     assert_no_mistake_is_named("fxyz");
     assert_no_mistake_is_named("rotary-stage");
+}
+
+/// Screening takes long where all contradicts all: a campaign was screened anew for each of more than a hundred mistakes, though
+/// undoing them left its residuals as they were.
+#[test]
+fn what_leaves_the_residuals_as_they_are_is_not_screened() {
+    let campaign = shipped("rotary-stage");
+    let screened = AtomicUsize::new(0);
+    let tried = AtomicUsize::new(0);
+    let calibrate = |_: &Campaign, robust: bool| {
+        tried.fetch_add(1, Ordering::Relaxed);
+        screened.fetch_add(usize::from(robust), Ordering::Relaxed);
+        Ok(Trial {
+            adjustment: AdjustmentReport {
+                observations: 1000,
+                unknowns: 100,
+                degrees_of_freedom: 900,
+                sigma0: 3.4,
+                p_value: 0.0,
+                noise_declared: true,
+                uncertainty_factor: 1.0,
+                factor_degrees_of_freedom: f64::INFINITY,
+                rms_residual_mm: 1e-3,
+                noise: None,
+                iterations: 1,
+                termination: String::new(),
+                rejected: Vec::new(),
+                interruptions: Vec::new(),
+            },
+            is_plausible: true,
+            lengths_mm: Box::new(|_, _, _| None),
+        })
+    };
+    let mistakes = Mistakes {
+        campaign: &campaign,
+        robust: true,
+        calibrate: &calibrate,
+    };
+    assert_eq!(mistakes.explanation(), None);
+    assert!(tried.into_inner() > 20);
+    assert_eq!(screened.into_inner(), 0);
 }

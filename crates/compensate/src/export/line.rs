@@ -18,6 +18,9 @@ const DIVIDES: f64 = 1e-6;
 /// Distances that differ by no more than this are equal, relative.
 const EQUAL: f64 = 1e-6;
 
+/// Of all axes, mm or rad, by an error of the tool: with an axis at its place, of these commanded positions.
+type Deviations = dyn Fn(&Request<'_>, usize, &[f64], &MotionError) -> Vec<f64>;
+
 /// One axis moves, all others stand at home.
 #[derive(Debug, Clone)]
 pub(crate) struct Line {
@@ -45,7 +48,7 @@ impl Line {
     fn of(
         request: &Request<'_>,
         axis: usize,
-        deviations: &dyn Fn(&Request<'_>, usize, &[f64], &MotionError) -> Vec<f64>,
+        deviations: &Deviations,
     ) -> Result<Self, Error> {
         let positions = positions(request, axis)?;
         let machine = request.machine.machine();
