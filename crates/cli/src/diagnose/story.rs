@@ -45,7 +45,8 @@ pub(crate) fn lines(diagnosis: &Diagnosis) -> Vec<String> {
         lines.extend(wanders(disturbance, &diagnosis.scene));
     }
     for level in &diagnosis.levels {
-        lines.extend(level.unexplained.iter().flat_map(left));
+        let unexplained = level.unexplained.iter();
+        lines.extend(unexplained.flat_map(|left| self::left(left, level.before.rms_um)));
     }
     if of_level(Level::Components).next().is_some() {
         lines.push(String::new());
@@ -57,15 +58,24 @@ pub(crate) fn lines(diagnosis: &Diagnosis) -> Vec<String> {
     lines
 }
 
-/// What no cause explains.
-fn left(unexplained: &Unexplained) -> Vec<String> {
+/// What no cause explains, of a misfit of `before_um` rms.
+fn left(unexplained: &Unexplained, before_um: f64) -> Vec<String> {
+    // A share that is far below that of the rms: the repeats scatter by it, too.
+    let of_misfit = (unexplained.rms_um / before_um).powi(2);
+    let is_scatter = of_misfit > 0.01 && unexplained.share < 0.25 * of_misfit;
+    let part = match is_scatter {
+        true => "most of it in the scatter of the repeats".to_owned(),
+        false => format!(
+            "{} of the misfit in squares",
+            in_words::percent(unexplained.share)
+        ),
+    };
     let mut lines = vec![
         String::new(),
         format!(
-            "unexplained in {}: {} µm rms, {} of the misfit in squares",
+            "unexplained in {}: {} µm rms, {part}",
             unexplained.data,
             in_words::amount(unexplained.rms_um, 2),
-            in_words::percent(unexplained.share)
         ),
     ];
     lines.extend(labelled("what", &unexplained.note));
@@ -119,7 +129,7 @@ fn to_do(varies_with: &[&str]) -> &'static str {
     let has = |what: &str| varies_with.contains(&what);
     // What goes with time is looked for around the machine, what goes with the side or the place in it.
     if has("time") || has("cycle") || varies_with.is_empty() {
-        "look for what changes like this (air conditioning, neighbours, the instrument's mount, the floor) \
+        "look for what changes like this (a warm-up, air conditioning, neighbours, the instrument's mount, the floor) \
          before the calibration is used"
     } else if has("direction") {
         "look at the drive of the axis and at how the control stops: what differs between the sides of \

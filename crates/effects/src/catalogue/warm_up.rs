@@ -25,7 +25,7 @@ pub(super) const EFFECT: Effect = Effect {
     }),
     explanation: Explanation {
         cause: "the machine was cold: spindle, drives or coolant warm its structure up",
-        consequence: "the first stations and runs see a different machine from the last ones",
+        consequence: "what is measured first sees another machine than what is measured last",
         action: "run the machine for three time constants before measuring, or leave out the first cycles",
         separate_by: "wait for three time constants and measure the first run again: it must not change any more",
     },
