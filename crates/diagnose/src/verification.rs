@@ -41,6 +41,7 @@ mod resolution;
 mod search;
 mod series;
 mod stack;
+mod stops;
 mod together;
 mod units;
 mod wandered;
@@ -58,7 +59,7 @@ use crate::verification::arrivals::is_same;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::{Comparison, line};
 use crate::verification::given_once::{given_once, keep_rows_given_once};
-use crate::verification::gross_errors::gross_errors;
+use crate::verification::gross_errors::{ONE_OF_TWO, gross_errors};
 use crate::verification::joined::join;
 use crate::verification::noise_floor::{noise_floor_um, repeats};
 use crate::verification::not_observable::not_observable;
@@ -68,6 +69,7 @@ use crate::verification::prediction_error::prediction_directions;
 use crate::verification::problem::{Given, Problem};
 use crate::verification::resolution::{hidden_um, resolution_um};
 use crate::verification::series::Series;
+use crate::verification::stops::{OF_STOP, slips_within_stops};
 use crate::verification::together::together;
 
 /// False alarms of all verifications of a campaign together: once for the causes, once for the omnibus
@@ -154,19 +156,27 @@ fn leave_gross_errors_out(
     calibration: Option<&CalibratedMachine>,
     outcome: &mut Said,
 ) {
-    let gross = gross_errors(
-        verification,
-        &Comparison::new(machine, verification, calibration),
-    );
-    for (row, _) in gross.iter().rev() {
-        verification.readings.remove(*row);
-    }
-    for (_, rejected) in gross {
-        outcome.notices.push(format!(
-            "{}: the reading in line {} is off by {:.1} µm (u = {:.1} µm) against all others and was left out",
-            rejected.file, rejected.row, rejected.error_um, rejected.u_um
-        ));
-        outcome.rejected.push(rejected);
+    for screen in [slips_within_stops, gross_errors] {
+        let comparison = Comparison::new(machine, verification, calibration);
+        let gross = screen(verification, &comparison);
+        drop(comparison);
+        for (row, _) in gross.iter().rev() {
+            verification.readings.remove(*row);
+        }
+        for (_, rejected) in gross {
+            let more = match rejected.reason.as_str() {
+                ONE_OF_TWO => {
+                    "all others, or the other one of its position is; both were left out: read it again"
+                }
+                OF_STOP => "the others of its stop and was left out",
+                _ => "all others and was left out",
+            };
+            outcome.notices.push(format!(
+                "{}: the reading in line {} is off by {:.1} µm (u = {:.1} µm) against {more}",
+                rejected.file, rejected.row, rejected.error_um, rejected.u_um
+            ));
+            outcome.rejected.push(rejected);
+        }
     }
 }
 

@@ -11,7 +11,8 @@
 //! together because each hides the other. Slips of one size hide each other wherever they stand, so the search goes on after one that
 //! is not clear, and what came before the last clear one counts, too (Rosner 1983, generalised extreme studentised deviates). Each is
 //! then judged beside all others. Three in a row, more than a few, or those after which readings stay where they were are no slips but
-//! structure, and stay; so do those that other arrivals explain nearly as well.
+//! structure, and stay; so do those that other arrivals explain nearly as well. Of two readings of a position neither is told from the
+//! other, and both go: one of them is wrong, and what is left is in order.
 
 use nalgebra::{DMatrix, DVector};
 use trueaxis_campaign::Verification;
@@ -24,14 +25,14 @@ use crate::verification::noise_floor::scatter;
 use crate::verification::resolution::resolution_um;
 
 /// Probability of leaving out anything of readings that are in order, for each file.
-const LEVEL: f64 = 1e-4;
+pub(crate) const LEVEL: f64 = 1e-4;
 
 /// p-value of an arrival, among all only by chance or by others beside it, above which none is looked for behind it: of `k` slips of one
 /// size the first has `F > ν/k`, which is 16 where they are 3 % of readings that were repeated once.
 const HIDDEN: f64 = 1e-3;
 
 /// Part of the arrivals that may be slips, two in a row for one, and at least one.
-const MOST: f64 = 0.03;
+pub(crate) const MOST: f64 = 0.03;
 
 /// Slips in a row, at most: more are structure.
 const MOST_IN_A_ROW: usize = 2;
@@ -46,6 +47,11 @@ const STAYS: f64 = 0.5;
 /// table. A warm-up falls most at its start, noise between two means of four is 0.7 of that of a reading, and a slip is eight of
 /// them.
 const IS_ON_ITS_WAY: f64 = 0.33;
+
+const ALONE: &str = "contradicts all other readings: a slip of the pen, or read too early";
+
+/// Of a reading that was left out with the other one of its position and side.
+pub(crate) const ONE_OF_TWO: &str = "contradicts the other reading of its position: one of the two is a slip of the pen, or was read too early";
 
 /// An arrival that stands out: error and its standard uncertainty, µm.
 #[derive(Debug, Clone, Copy)]
@@ -88,12 +94,20 @@ pub(crate) fn gross_errors(
         let mut arrivals = row.iter().map(|slip| &comparison.arrivals[slip.arrival]);
         arrivals.all(|arrival| arrival.readings == 1)
     };
-    let are_slips = |row: &&[Slip]| {
-        row.len() <= MOST_IN_A_ROW
-            && !is_jump(row, &off, &without)
-            && screen.is_alone(row, &off, &without)
+    let slips = |row: &[Slip]| -> Vec<(Slip, &'static str)> {
+        if row.len() > MOST_IN_A_ROW || is_jump(row, &off, &without) {
+            return Vec::new();
+        }
+        match screen.rivals(row, &off, &without).as_deref() {
+            Some([]) => row.iter().map(|slip| (*slip, ALONE)).collect(),
+            Some([other]) if screen.are_all_of_a_cell(row, other) => {
+                let both = [row, &other.slips].concat();
+                both.into_iter().map(|slip| (slip, ONE_OF_TWO)).collect()
+            }
+            _ => Vec::new(),
+        }
     };
-    let rows = rows.into_iter().filter(of_one_reading).filter(are_slips);
+    let rows = rows.into_iter().filter(of_one_reading);
     let mut first = 0;
     let first_readings = comparison.arrivals.iter().map(|arrival| {
         let reading = first;
@@ -101,15 +115,16 @@ pub(crate) fn gross_errors(
         reading
     });
     let first_readings: Vec<usize> = first_readings.collect();
-    let said = rows.flatten().map(|slip| {
+    let mut slips: Vec<(Slip, &str)> = rows.flat_map(slips).collect();
+    slips.sort_by_key(|(slip, _)| slip.arrival);
+    let said = slips.into_iter().map(|(slip, reason)| {
         let reading = first_readings[slip.arrival];
         let rejected = Rejected {
             file: verification.name.clone(),
             row: verification.readings[reading].line,
             error_um: slip.error_um,
             u_um: slip.u_um,
-            reason: "contradicts all other readings: a slip of the pen, or read too early"
-                .to_owned(),
+            reason: reason.to_owned(),
         };
         (reading, rejected)
     });
@@ -211,23 +226,37 @@ impl Screen<'_> {
         }
     }
 
-    /// Whether, beside all others that stand out (`found`), no other arrivals explain nearly as much: which of them are wrong only
-    /// how far they are `off` the means of their positions can tell then.
-    fn is_alone(&self, row: &[Slip], off: &[Option<f64>], found: &[usize]) -> bool {
+    /// What other arrivals explain nearly as much beside all others that stand out (`found`): which of them are wrong only
+    /// how far they are `off` the means of their positions can tell then. None if they cannot be tested.
+    fn rivals(&self, row: &[Slip], off: &[Option<f64>], found: &[usize]) -> Option<Vec<Tested>> {
         let is_of_row = |arrival: usize| row.iter().any(|own| own.arrival == arrival);
         let is_own = |slip: &Slip| is_of_row(slip.arrival);
         let others = found.iter().copied().filter(|&arrival| !is_of_row(arrival));
         let others: Vec<usize> = others.collect();
-        let all = self.tested(&beside(&self.model, &others), row.len());
-        let Some(own) = all.iter().find(|own| own.slips.iter().all(is_own)) else {
-            return false;
-        };
+        let mut all = self.tested(&beside(&self.model, &others), row.len());
+        let own = all.iter().position(|own| own.slips.iter().all(is_own))?;
+        let own = all.remove(own);
         let size_um = size_um(&own.slips);
         let off = |slip: &Slip| off[slip.arrival].map(|off| off.abs() > STAYS * size_um);
         let is_off = own.slips.iter().all(|slip| off(slip) == Some(true));
         let is_in_order = |rival: &Tested| rival.slips.iter().any(|slip| off(slip) == Some(false));
-        let mut rivals = all.iter().filter(|tested| !tested.slips.iter().any(is_own));
-        rivals.all(|rival| rival.drop < ALIKE * own.drop || is_off && is_in_order(rival))
+        all.retain(|rival| {
+            let is_other = !rival.slips.iter().any(is_own);
+            is_other && rival.drop >= ALIKE * own.drop && !(is_off && is_in_order(rival))
+        });
+        Some(all)
+    }
+
+    /// Whether a position was read by these two alone from its side: nothing then tells which of them is wrong.
+    fn are_all_of_a_cell(&self, row: &[Slip], other: &Tested) -> bool {
+        let ([one], [other]) = (row, other.slips.as_slice()) else {
+            return false;
+        };
+        let cells = cells(self.comparison);
+        let of_cell = cells.iter().filter(|cell| **cell == cells[one.arrival]);
+        cells[one.arrival] == cells[other.arrival]
+            && of_cell.count() == 2
+            && self.comparison.arrivals[other.arrival].readings == 1
     }
 }
 
@@ -329,7 +358,7 @@ impl Tested {
 }
 
 /// With fewer, Student's limit is beyond anything.
-const LEAST_DEGREES_OF_FREEDOM: f64 = 5.0;
+pub(crate) const LEAST_DEGREES_OF_FREEDOM: f64 = 5.0;
 
 /// Drops of the sum of squares.
 const ALIKE: f64 = 0.81;

@@ -195,6 +195,50 @@ fn a_slip_in_a_test_of_repeatability_is_left_out() {
     }
 }
 
+/// Of two readings of a position from one side one is off by 30 µm: both stayed, in the noise, or the first of the table was a jump.
+#[test]
+fn of_two_readings_that_contradict_each_other_neither_stays() {
+    for layout in [Layout::new(9, 2, 2), Layout::new(9, 2, 1)] {
+        let half = layout.rows() / 2;
+        for row in 0..layout.rows() {
+            let mut random = generator(row as u64, 46);
+            let off = |k: usize| if k == row { 30.0 } else { 0.0 };
+            let found = found(layout.table(&mut random, off));
+            assert_eq!(rows(&found), [row % half + 2, row % half + half + 2]);
+            // Eight degrees of freedom or more: above it by chance in 1e-4.
+            let floor_um = found.levels[0].noise_floor_um;
+            assert!(floor_um < 2.0, "{layout:?} {row}: {floor_um}");
+            assert!(found.notices[0].contains("read it again"));
+        }
+    }
+}
+
+/// Three readings at each stop of a fixed point that drifts by 30 µm, some of them off by 4 mm: they were averaged with the others of
+/// their stop, and nothing was said but that the noise was 335 µm.
+#[test]
+fn a_slip_among_the_readings_of_a_stop_is_left_out() {
+    for (slips, seed) in [(vec![], 1), (vec![0], 2), (vec![14, 60, 100, 179], 3)] {
+        let layout = Layout::new(1, 60, 1);
+        let mut random = generator(seed, 47);
+        let mut table = layout.table(&mut random, |row| 0.5 * row as f64);
+        let readings = std::mem::take(&mut table.readings);
+        let thrice = readings
+            .into_iter()
+            .flat_map(|reading| std::iter::repeat_n(reading, 3));
+        for (row, mut reading) in thrice.enumerate() {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            let off = if slips.contains(&row) { 4e3 } else { 0.0 };
+            reading.value_um += off + 0.3 * noise;
+            reading.line = row + 2;
+            table.readings.push(reading);
+        }
+        let found = found(table);
+        let expected: Vec<usize> = slips.iter().map(|row| row + 2).collect();
+        assert_eq!(rows(&found), expected);
+        assert!(found.verdict.is_misfit() && found.levels[0].noise_floor_um < 3.0);
+    }
+}
+
 /// Readings of one position in one cycle are one stop, and what to do about it is said.
 #[test]
 fn one_stop_says_that_cycles_are_missing() {
