@@ -50,7 +50,7 @@ mod wandering;
 
 use trueaxis_campaign::{Campaign, Verification};
 use trueaxis_effects::Scene;
-use trueaxis_kinematics::Machine;
+use trueaxis_kinematics::{AxisKind, Machine};
 use trueaxis_predict::CalibratedMachine;
 
 use crate::components::diagnose_line_curve;
@@ -61,6 +61,7 @@ use crate::verification::comparison::{Comparison, line};
 use crate::verification::given_once::{given_once, keep_rows_given_once};
 use crate::verification::gross_errors::{ONE_OF_TWO, gross_errors};
 use crate::verification::joined::join;
+use crate::verification::lost_motion::beyond_drives;
 use crate::verification::noise_floor::{noise_floor_um, repeats};
 use crate::verification::not_observable::not_observable;
 use crate::verification::omnibus::differs_by_cycle;
@@ -258,6 +259,19 @@ fn judged<'a>(
             found = Series::new(name, posed(left_um));
         }
         found.noise_floor_um = found.left_um().max(resolution_um);
+    }
+    // Late time stamps look like it.
+    let mut others = found.model.causes.clone();
+    others.retain(|cause| found.plain.listed.hypothesis(cause).effect.id != "timestamp_offset");
+    if let Some([size, most]) = beyond_drives(&found.plain, &others) {
+        let unit = match comparison.machine.axes()[comparison.axis()].kind() {
+            AxisKind::Linear => "µm",
+            AxisKind::Rotary => "arcsec",
+        };
+        outcome.notices.push(format!(
+            "{name}: the sides of approach differ by {size:.0} {unit}, and no drive in use loses more than {most:.0} {unit}: see whether \
+             deviation_um is in µm, whether direction is the side of approach, and whether the axis stood at its positions"
+        ));
     }
     // At one position after the other no cycle is a time.
     if takes_turns(comparison) && differs_by_cycle(&found.plain) {

@@ -45,11 +45,7 @@ impl Line {
         Self::of(request, axis, &own_deviation)
     }
 
-    fn of(
-        request: &Request<'_>,
-        axis: usize,
-        deviations: &Deviations,
-    ) -> Result<Self, Error> {
+    fn of(request: &Request<'_>, axis: usize, deviations: &Deviations) -> Result<Self, Error> {
         let positions = positions(request, axis)?;
         let machine = request.machine.machine();
         let commanded = |position: f64| {

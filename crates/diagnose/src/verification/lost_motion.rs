@@ -12,9 +12,11 @@ use trueaxis_campaign::VerificationKind;
 use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::dense::Svd;
 
-use crate::selection::{Fit, Hypothesis};
+use crate::engine::{Chosen, SMOOTH_LEVEL};
+use crate::selection::{Fit, Hypothesis, ln_f_test};
 use crate::verification::base::{count, places};
 use crate::verification::comparison::Comparison;
+use crate::verification::problem::Problem;
 use crate::{CurvePoint, EstimatedParameter};
 
 /// The effect whose size is such a function.
@@ -47,6 +49,21 @@ fn reached_from_both_sides(comparison: &Comparison<'_>) -> Vec<usize> {
     (0..count(&numbers))
         .filter_map(|place| of(place, true).and(of(place, false)))
         .collect()
+}
+
+/// By how much the sides of a line differ beside causes, and the most that a drive in use has, µm or arcsec, where that is less: no
+/// lost motion then, but what turns round with the axis does not go with time, either.
+pub(crate) fn beyond_drives(problem: &Problem<'_>, causes: &[Chosen]) -> Option<[f64; 2]> {
+    let axis = problem.comparison.line()?;
+    let mut all = problem.listed.candidates.iter();
+    let own = all
+        .find(|c| c.hypothesis.effect.id == FORMS[0] && c.hypothesis.subject.axis == Some(axis))?;
+    let [_, most] = *own.plausible.first()?.as_ref()?;
+    let model = problem.listed.with(causes);
+    let fit = Fit::new(&model, &own.columns(0.0));
+    let ln_p = ln_f_test(fit.gained(), model.squares(), 1, model.degrees_of_freedom);
+    let size = fit.estimates[0].abs();
+    (ln_p < SMOOTH_LEVEL.ln() && size > most).then_some([size, most])
 }
 
 /// Mean and slope whose columns differ by less than this part do the same to the readings.

@@ -3,6 +3,7 @@
 use crate::Rival;
 use crate::engine::{Candidate, Chosen, Posterior, SMOOTH_LEVEL, Smooth, without};
 use crate::selection::{ALIKE, DECISIVE, Fit, Projection, by_evidence, ln_f_test};
+use crate::verification::lost_motion::beyond_drives;
 use crate::verification::problem::Problem;
 use crate::verification::wandered::curve;
 use crate::verification::wanderer::{Form, Wanderer, wanderers};
@@ -25,7 +26,10 @@ pub(crate) struct FittedProcess {
 
 /// What wanders beside causes, one after the other.
 pub(crate) fn wandering(plain: &Problem<'_>, causes: &[Chosen]) -> Vec<FittedProcess> {
-    let all = wanderers(plain.comparison, plain.calibrated);
+    let mut all = wanderers(plain.comparison, plain.calibrated);
+    if beyond_drives(plain, causes).is_some() {
+        all.retain(|wanderer| !wanderer.is_of_time());
+    }
     let mut own: Vec<FittedProcess> = Vec::new();
     // Each round adds one; one that another makes superfluous gives its place free once.
     for _ in 0..2 * MOST {
