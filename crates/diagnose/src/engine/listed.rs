@@ -40,6 +40,8 @@ pub(crate) struct Beside {
     pub(crate) model: Projection,
     /// Those that are physically possible, the one with the most evidence first.
     pub(crate) scores: Vec<Score>,
+    /// Those of a size that no machine has.
+    pub(crate) impossible: Vec<Score>,
     pub(crate) scans: Vec<Box<dyn Scan>>,
     /// Which candidate each scan is.
     pub(crate) numbers: Vec<usize>,
@@ -119,11 +121,13 @@ impl<'a> Listed<'a> {
             scans.push(Box::new(scan));
             numbers.push(number);
         }
-        let mut scores = rank(&model, &scans);
-        scores.retain(|s| self.candidates[numbers[s.scan]].is_possible(&model, s.shape));
+        let is_possible = |s: &Score| self.candidates[numbers[s.scan]].is_possible(&model, s.shape);
+        let scores = rank(&model, &scans).into_iter();
+        let (scores, impossible) = scores.partition(is_possible);
         Beside {
             model,
             scores,
+            impossible,
             scans,
             numbers,
         }

@@ -7,6 +7,7 @@ use crate::said::Entry;
 use crate::selection::{Part, Projection, add};
 use crate::verification::competition::{Model, compete, only};
 use crate::verification::held_out::{HeldOut, gain, held_out};
+use crate::verification::lost_motion::FORMS;
 use crate::verification::omnibus::{omnibus, repeats_with_cycle};
 use crate::verification::problem::Problem;
 use crate::verification::report;
@@ -95,7 +96,9 @@ impl<'a> Series<'a> {
             (before, &after),
             (wandering, &course),
         );
-        let unexplained = unexplained(problem, &after, &tests_after);
+        let is_plain = chosen.is_empty() && wandering.is_empty();
+        let unexplained = unexplained(problem, &after, &tests_after)
+            .or_else(|| is_plain.then(|| impossible(problem)).flatten());
         let of_causes = chosen.iter().map(std::slice::from_ref);
         let of_causes = of_causes.map(|cause| Part::Free(problem.listed.columns(cause)));
         let smooth = wandering.iter().map(|w| Part::Smooth(w.columns(plain)));
@@ -103,7 +106,6 @@ impl<'a> Series<'a> {
         let held_before = held_out(plain, &[]);
         let held_after = held_out(problem, &chosen);
         let gain = gain(problem, &held_before, &held_after);
-        let is_plain = chosen.is_empty() && wandering.is_empty();
         let is_single = chosen.len() + wandering.len() == 1;
         let gain = gain.map(|bounded| bounded.gain).filter(|_| !is_plain);
         let disturbances = wandered(problem, &courses, &after, gain.filter(|_| is_single));
@@ -129,6 +131,33 @@ impl<'a> Series<'a> {
             disturbances,
         }
     }
+}
+
+/// What looks like a cause, but of a size that no machine has: few readings may leave no other test room.
+fn impossible(problem: &Problem<'_>) -> Option<Unexplained> {
+    let beside = problem.listed.beside(&[]);
+    let best = beside.impossible.first()?;
+    let own = &problem.listed.candidate(&beside, best).hypothesis;
+    let id = own.effect.id;
+    let varies_with = match id {
+        _ if FORMS.contains(&id) => vec!["direction"],
+        "axis_expansion" => vec!["time", "position"],
+        _ if own.is_of_time() => vec!["time"],
+        _ => vec!["position"],
+    };
+    let is_clear = beside.null().family_wise(best.ln_p) < problem.level;
+    is_clear.then(|| Unexplained {
+        level: Level::Verification,
+        data: String::new(),
+        rms_um: problem.sigma_um * (best.statistic / problem.readings() as f64).sqrt(),
+        share: 0.0,
+        note: format!(
+            "it varies with {}, as in {}, but by more than any machine does",
+            varies_with.join(" and "),
+            id.replace('_', " ")
+        ),
+        varies_with,
+    })
 }
 
 /// Structure that the causes leave.
