@@ -1,13 +1,14 @@
 //! Readings that contradict the others of their stop: in its mean they would be no slips any more, but scatter of the machine.
 //!
 //! Each stop has a mean; a reading is tested with what all others leave, those that stand out most first (externally studentised
-//! residuals, as arrivals in [`super::gross_errors`]). Of two readings neither is told from the other. More than a few are no slips but
+//! residuals, as arrivals in [`super::gross_errors`]). It must be off by more than the nearest stops at its position are. Of two readings neither is told from the other. More than a few are no slips but
 //! the way in which machine or instrument settle, and stay.
 
 use trueaxis_campaign::Verification;
 
 use crate::Rejected;
 use crate::selection::ln_f_test;
+use crate::verification::base::cells;
 use crate::verification::comparison::Comparison;
 use crate::verification::gross_errors::{LEAST_DEGREES_OF_FREEDOM, LEVEL, MOST, ONE_OF_TWO};
 use crate::verification::resolution::resolution_um;
@@ -26,6 +27,7 @@ pub(crate) fn slips_within_stops(
     let mut stops: Vec<Vec<(usize, f64)>> = arrivals
         .map(|arrival| readings.by_ref().take(arrival.readings).collect())
         .collect();
+    let cells = cells(comparison);
     let resolution_um = resolution_um(comparison).unwrap_or_default();
     let count = verification.readings.len() as f64;
     let mut slips: Vec<(usize, Slip, &str)> = Vec::new();
@@ -43,8 +45,10 @@ pub(crate) fn slips_within_stops(
         if f64::from(found) >= (MOST * count).max(1.0) {
             return Vec::new();
         }
+        let contradicts = contradicts_neighbours(&stops, &cells, &slip);
         let stop = &mut stops[slip.stop];
         match stop.len() {
+            _ if !contradicts => stop.clear(),
             2 => {
                 let other = Slip {
                     error_um: -slip.error_um,
@@ -99,6 +103,22 @@ fn largest(stops: &[Vec<(usize, f64)>]) -> Option<Slip> {
         });
     let drop = |slip: &Slip| slip.error_um.powi(2) * slip.redundancy;
     slips.max_by(|a, b| drop(a).total_cmp(&drop(b)))
+}
+
+/// Whether a slip is larger than what lies between its stop and those before and after it at the same position: otherwise the machine
+/// was on its way, as at the start of a warm-up.
+fn contradicts_neighbours(stops: &[Vec<(usize, f64)>], cells: &[usize], slip: &Slip) -> bool {
+    let is_same = |other: &usize| cells[*other] == cells[slip.stop] && !stops[*other].is_empty();
+    let before = (0..slip.stop).rev().find(is_same);
+    let after = (slip.stop + 1..stops.len()).find(is_same);
+    [before, after].into_iter().flatten().all(|other| {
+        let values = stops[other].iter().map(|(_, value)| value);
+        let mean = values.sum::<f64>() / stops[other].len() as f64;
+        let own = stops[slip.stop].iter();
+        own.map(|(_, value)| (value - mean).abs())
+            .fold(f64::INFINITY, f64::min)
+            < slip.error_um.abs()
+    })
 }
 
 /// What the readings of stops scatter by.

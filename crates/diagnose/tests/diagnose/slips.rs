@@ -239,6 +239,26 @@ fn a_slip_among_the_readings_of_a_stop_is_left_out() {
     }
 }
 
+/// A machine that warms up while the readings of its first stops are taken loses none of them.
+#[test]
+fn a_warm_up_within_the_first_stops_is_no_slip() {
+    for seed in 0..10 {
+        let mut random = generator(seed, 49);
+        let mut table = Layout::new(1, 60, 1).table(&mut random, |_| 0.0);
+        let readings = std::mem::take(&mut table.readings);
+        let thrice = readings
+            .into_iter()
+            .flat_map(|reading| std::iter::repeat_n(reading, 3));
+        for (row, mut reading) in thrice.enumerate() {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            reading.value_um += 200.0 * (-(row as f64) / 6.0).exp() + 0.3 * noise;
+            reading.line = row + 2;
+            table.readings.push(reading);
+        }
+        assert_eq!(rows(&found(table)), Vec::<usize>::new(), "{seed}");
+    }
+}
+
 /// Readings of one position in one cycle are one stop, and what to do about it is said.
 #[test]
 fn one_stop_says_that_cycles_are_missing() {
