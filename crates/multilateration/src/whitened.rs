@@ -141,17 +141,17 @@ impl Whitened {
                 break;
             }
             let own = rows.start - first..rows.end - first;
-            by_row.clear();
-            by_row.extend(
-                rows.clone()
-                    .map(|row| column[self.reading_of_row[row] - first]),
-            );
-            if by_row.iter().all(|x| *x == 0.0) {
+            if column[own.clone()].iter().all(|x| *x == 0.0) {
                 continue;
             }
+            by_row.clear();
+            let readings = self.reading_of_row[rows.clone()].iter();
+            by_row.extend(readings.map(|reading| column[reading - first]));
+            let mut weights = self.weights[self.weight_starts[visit]..].iter();
             for (i, x) in column[own].iter_mut().enumerate() {
-                let weighted = self.weight_row(visit, i).iter().zip(&by_row);
-                *x = weighted.map(|(weight, x)| weight * x).sum();
+                // The elements first: a zip asks its left side once more than its right.
+                let weighted = by_row[..=i].iter().zip(&mut weights);
+                *x = weighted.map(|(x, weight)| weight * x).sum();
             }
         }
     }

@@ -12,6 +12,7 @@
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DMatrixView, DVector, DVectorView, Vector3};
+use rayon::prelude::*;
 use trueaxis_leastsquares::dense::Svd;
 use trueaxis_leastsquares::{half_waves, matern_roots};
 use trueaxis_multilateration::{Network, Solution, Visit, Whitened};
@@ -169,7 +170,7 @@ impl<'a> Rivals<'a> {
         let waves: Vec<Vec<f64>> = places
             .map(|k| half_waves(self.progress(k), WAVES).collect())
             .collect();
-        let [of_zero, of_station] = [Mover::Zero, Mover::Station].map(|mover| {
+        let of = |mover| {
             let of_wave = |wave: usize| self.following(mover, |k| waves[k][wave]);
             let mut columns: Vec<Vec<f64>> = (0..WAVES as usize).flat_map(of_wave).collect();
             let n = columns.len();
@@ -182,7 +183,8 @@ impl<'a> Rivals<'a> {
             let of_waves = of_waves - &own * left.view((n, 0), (1, n));
             let beside = wander(&of_waves, &(along - own * of_step), self.scale);
             (beside.ratio - alone.ratio, alone.rms_mm)
-        });
+        };
+        let (of_zero, of_station) = rayon::join(|| of(Mover::Zero), || of(Mover::Station));
         (of_zero.0.min(of_station.0) + self.step(), of_zero.1)
     }
 
@@ -218,7 +220,7 @@ impl<'a> Rivals<'a> {
             }
         }
         columns
-            .iter_mut()
+            .par_iter_mut()
             .for_each(|column| self.rows.whiten_from(self.visits.start, column));
         columns
     }

@@ -101,10 +101,7 @@ impl TemperatureTerm {
 
     fn value(&self, time_s: f64) -> f64 {
         match self {
-            Self::Table { times_s, values_c } => {
-                let entries = times_s.iter().copied().zip(values_c.iter().copied());
-                interpolate(entries, time_s)
-            }
+            Self::Table { times_s, values_c } => interpolate(times_s, values_c, time_s),
             Self::Exponential {
                 change_k,
                 time_constant_s,

@@ -106,10 +106,7 @@ impl Term {
                 let period = period_mm.or(*period_deg).unwrap_or(f64::INFINITY);
                 amplitude * (TAU * q / period + phase_deg.to_radians()).sin()
             }
-            Self::Table { positions, values } => {
-                let entries = || positions.iter().copied().zip(values.iter().copied());
-                interpolate(entries(), q)
-            }
+            Self::Table { positions, values } => interpolate(positions, values, q),
         }
     }
 }
@@ -123,16 +120,15 @@ fn normalised(q: f64, [low, high]: [f64; 2]) -> f64 {
     }
 }
 
-/// Linear interpolation; the end values are held outside.
-pub(crate) fn interpolate(entries: impl Iterator<Item = (f64, f64)>, q: f64) -> f64 {
-    let mut before: Option<(f64, f64)> = None;
-    for (position, value) in entries {
-        if q <= position {
-            return before.map_or(value, |(p, v)| v + (value - v) * (q - p) / (position - p));
-        }
-        before = Some((position, value));
+/// Linear interpolation between rising positions; the end values are held outside.
+pub(crate) fn interpolate(positions: &[f64], values: &[f64], q: f64) -> f64 {
+    let behind = positions.partition_point(|position| *position < q);
+    let at = |k: usize| Some((*positions.get(k)?, *values.get(k)?));
+    match (behind.checked_sub(1).and_then(at), at(behind)) {
+        (Some((p, v)), Some((position, value))) => v + (value - v) * (q - p) / (position - p),
+        (Some((_, value)), None) | (None, Some((_, value))) => value,
+        (None, None) => 0.0,
     }
-    before.map_or(0.0, |(_, value)| value)
 }
 
 #[cfg(test)]
