@@ -67,7 +67,7 @@ pub enum Error {
         explanation: String,
     },
     /// A table that would not fit.
-    #[error("{table} takes {gib:.1} GiB, at most {limit_gib} GiB are written; {instead}")]
+    #[error("{table} takes {gib:.1} GiB, at most {limit_gib} GiB are made; {instead}")]
     TooLarge {
         /// What it holds.
         table: String,

@@ -33,7 +33,7 @@ mod tests {
         assert_eq!(check_size(table, [11_585; 2], "leave it out"), Ok(()));
         let refused = check_size(table, [40_000; 2], "leave it out").unwrap_err();
         let text = refused.to_string();
-        let says = "the covariance takes 11.9 GiB, at most 1 GiB are written; leave it out";
+        let says = "the covariance takes 11.9 GiB, at most 1 GiB are made; leave it out";
         assert_eq!(text, says);
     }
 }

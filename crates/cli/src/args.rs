@@ -171,7 +171,7 @@ pub(crate) struct ExportArgs {
     pub(crate) at: Option<Point3<f64>>,
 
     /// The tables that were active while the machine was measured, as their folder or file: the new ones
-    /// contain them (formats that hold squareness alone have none).
+    /// contain what the targets saw of them (grid, linuxcnc, sinumerik, heidenhain).
     #[arg(long, value_name = "OLD")]
     pub(crate) onto: Option<PathBuf>,
 

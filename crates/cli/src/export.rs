@@ -111,7 +111,10 @@ fn old_tables(
         old.push(ExportedFile { name, text });
     }
     let read: Vec<&str> = old.iter().map(|file| file.name.as_str()).collect();
-    let mut said = format!("the new tables contain the old {}", read.join(", "));
+    let mut said = format!(
+        "the new tables contain what the targets saw of the old {}",
+        read.join(", ")
+    );
     // One file of a format may have any name.
     let (given, not_given): (Vec<&str>, Vec<&str>) = expected
         .iter()

@@ -22,6 +22,7 @@ mod believed;
 pub(crate) mod comparison;
 mod competition;
 mod given_once;
+mod gross_error;
 mod gross_errors;
 mod held_out;
 mod hypotheses;
@@ -59,7 +60,8 @@ use crate::verification::arrivals::is_same;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::{Comparison, line};
 use crate::verification::given_once::{given_once, keep_rows_given_once};
-use crate::verification::gross_errors::{ONE_OF_TWO, gross_errors};
+use crate::verification::gross_error::GrossError;
+use crate::verification::gross_errors::gross_errors;
 use crate::verification::joined::join;
 use crate::verification::lost_motion::beyond_drives;
 use crate::verification::noise_floor::{noise_floor_um, repeats};
@@ -70,7 +72,7 @@ use crate::verification::prediction_error::prediction_directions;
 use crate::verification::problem::{Given, Problem};
 use crate::verification::resolution::{hidden_um, resolution_um};
 use crate::verification::series::Series;
-use crate::verification::stops::{OF_STOP, slips_within_stops};
+use crate::verification::stops::slips_within_stops;
 use crate::verification::together::together;
 
 /// False alarms of all verifications of a campaign together: once for the causes, once for the omnibus
@@ -161,20 +163,22 @@ fn leave_gross_errors_out(
         let comparison = Comparison::new(machine, verification, calibration);
         let gross = screen(verification, &comparison);
         drop(comparison);
-        for (row, _) in gross.iter().rev() {
-            verification.readings.remove(*row);
+        for own in gross.iter().rev() {
+            verification.readings.remove(own.reading);
         }
-        for (_, rejected) in gross {
-            let more = match rejected.reason.as_str() {
-                ONE_OF_TWO => {
-                    "all others, or the other one of its position is; both were left out: read it again"
-                }
-                OF_STOP => "the others of its stop and was left out",
-                _ => "all others and was left out",
-            };
+        for own in gross {
+            let GrossError {
+                rejected,
+                contradicts,
+                ..
+            } = own;
             outcome.notices.push(format!(
-                "{}: the reading in line {} is off by {:.1} µm (u = {:.1} µm) against {more}",
-                rejected.file, rejected.row, rejected.error_um, rejected.u_um
+                "{}: the reading in line {} is off by {:.1} µm (u = {:.1} µm) against {}",
+                rejected.file,
+                rejected.row,
+                rejected.error_um,
+                rejected.u_um,
+                contradicts.against()
             ));
             outcome.rejected.push(rejected);
         }
@@ -195,7 +199,7 @@ fn judged<'a>(
         .notices
         .extend(doubts.map(|doubt| format!("{name}: {doubt}")));
     let base = base_columns(comparison, calibration.is_some());
-    let Some(resolution_um) = resolution_um(comparison) else {
+    let Some(resolution_um) = resolution_um(comparison.arrivals.iter().map(|a| a.value_um)) else {
         let why = match comparison.arrivals.as_slice() {
             [stop] if stop.readings > 1 => {
                 "all readings are of one stop, and count as one; number them in `cycle`, one after the other, to have them judged for \

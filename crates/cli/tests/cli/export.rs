@@ -183,7 +183,8 @@ fn levers_are_experimental_in_every_file() {
     let onto = ["--levers", "--onto", "tables", "--out", "sum"];
     let outcome = export(&folder, "sinumerik", &onto);
     outcome.assert_good();
-    let says = "contain the old AX_EEC.INI, NC_CEC.INI; not read: LEVER_TRIAL.INI";
+    let says =
+        "contain what the targets saw of the old AX_EEC.INI, NC_CEC.INI; not read: LEVER_TRIAL.INI";
     assert!(outcome.stderr.contains(says), "{}", outcome.stderr);
     assert!(outcome.stderr.contains("16 sag compensation tables"));
 }

@@ -92,7 +92,10 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
                         None => true,
                     };
                 old.columns.retain(|column, _| is_seen(column));
-                new.with(&old, name)
+                match old.columns.is_empty() {
+                    true => new,
+                    false => new.with(&old, name),
+                }
             }
             (Some(one), None) | (None, Some(one)) => one,
             (None, None) => continue,

@@ -9,7 +9,7 @@
 //! scale, and off it the mean slopes of the lines through the point.
 //!
 //! Files that were active while the machine was measured ([`Request::onto`]) are contained in the new ones: at the points of
-//! both, the deviations of both; the product of both matrices.
+//! both, the deviations of both; the product of both matrices, the old one without the cells between branches.
 //!
 //! Sources: `usrmotLoadComp` in `src/emc/motion/usrmotintf.cc`, `src/hal/components/matrixkins.comp`, and the chapter
 //! "INI Configuration" of the manual.
@@ -85,12 +85,16 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         files.push(ExportedFile { name, text });
         lines.extend(new);
     }
-    // One axis alone has no squareness.
-    let skew = Skew::new(request).ok();
+    let skew = Skew::new(request);
+    // Who asks for one axis alone wants no squareness.
+    if let (Err(error), None) = (&skew, request.axis) {
+        notes.push(format!("no squareness: {error}"));
+    }
+    let skew = skew.ok();
     let old = old(matrix::FILE).map(matrix::read).transpose()?;
     let joined = match (old, &skew) {
         (Some(old), Some(skew)) => {
-            // What the targets saw of it.
+            // Only the cells that the targets saw.
             let is_seen = |row: usize, column: usize| {
                 let [input, output] = [column, row].map(|k| skew.axes[k]);
                 request.is_seen(input, output)

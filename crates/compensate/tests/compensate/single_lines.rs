@@ -45,6 +45,9 @@ fn positioning_is_taken_away_beside_parallel_and_inclined_axes() {
         let calibrated = calibrated(&scenario(&text), false);
         let request = request_of(Format::LinuxCnc, &calibrated);
         let export = export(Format::LinuxCnc, &request).unwrap();
+        let lacks_squareness = |note: &&String| note.starts_with("no squareness");
+        let said = export.notes.iter().find(lacks_squareness);
+        assert_eq!(said.is_some(), name == "slanted", "{said:?}");
         let machine = calibrated.machine();
         let control = control(Format::LinuxCnc, &export, machine, tool());
         for (axis, geometry) in machine.axes().iter().enumerate() {

@@ -14,8 +14,8 @@ use trueaxis_effects::Layer;
 use crate::Error;
 use crate::engine::disturbance::{Wanderer, Who, With};
 use crate::engine::wandering::{
-    JudgedDisturbance, MOST, Wanders, disturbances, judge_all, least, of_wandering, one_by_one,
-    wandering, wandering_of,
+    JudgedDisturbance, MOST, Wanders, disturbances, is_tried, judge_all, least, of_wandering,
+    one_by_one, wandering, wandering_of,
 };
 use crate::engine::{
     Culprit, Culprits, Found, Omnibus, Search, Suspect, find_causes, scan, scans, settle,
@@ -108,8 +108,8 @@ const NOT_SIGNIFICANT: f64 = 14.0;
 /// what it costs alone, since what they take from it they cost themselves.
 const STILL_PAID: f64 = 0.5;
 
-/// Whether what wanders alone has less evidence than causes that explain all, whatever joins the first of disturbances
-/// judged one by one, since it costs so much more to be able to be anything.
+/// Whether what wanders alone has less evidence than causes that explain all, whichever of disturbances judged one by one
+/// is first and whatever joins it, since it costs so much more to be able to be anything.
 fn is_too_dear<D: Wanders>(
     base: &D,
     one_by_one: &[JudgedDisturbance],
@@ -120,11 +120,10 @@ fn is_too_dear<D: Wanders>(
     let price = |(evidence, with): (f64, Projection)| {
         before.degrees_of_freedom * (before.squares() / with.squares()).ln() - evidence
     };
-    let of_wandering = price(of_wandering(
-        base,
-        &plain,
-        &one_by_one[..one_by_one.len().min(1)],
-    ));
+    let may_be_first = |(k, own): &(usize, &JudgedDisturbance)| *k == 0 || is_tried(base, own);
+    let first = one_by_one.iter().enumerate().filter(may_be_first);
+    let first = first.map(|(_, own)| price(of_wandering(base, &plain, std::slice::from_ref(own))));
+    let of_wandering = first.fold(f64::INFINITY, f64::min);
     let of_causes = price(of_model(base, &plain, &search.found, &[]));
     Ok(STILL_PAID * of_wandering > of_causes + MOST as f64 * NOT_SIGNIFICANT)
 }

@@ -170,18 +170,14 @@ pub(crate) fn wandering_of<D: Wanders>(
         return Ok(Vec::new());
     };
     let (first, noise) = joined_by_others(base, suspects, leader)?;
-    let is_common = |judged: &JudgedDisturbance| {
-        let wanderer = judged.disturbance.wanderer;
-        wanderer.of_kind(base.scene()) == 1
-    };
+    let is_common = |judged: &JudgedDisturbance| is_common(base, judged);
     let who = |judged: &JudgedDisturbance| judged.disturbance.wanderer.who;
     let are_several = first.iter().any(|one| who(one) != who(&first[0]));
     if !are_several || first.iter().any(is_common) {
         return Ok(first);
     }
     let mut ways = vec![(first, noise)];
-    let is_tried = |judged: &&JudgedDisturbance| is_common(judged) && judged.p_value < SMOOTH_LEVEL;
-    for common in judged.iter().filter(is_tried) {
+    for common in judged.iter().filter(|judged| is_tried(base, judged)) {
         let common = with_rivals(base, common, &[]);
         let way = joined_by_others(base, suspects, common)?;
         // Where the others made it superfluous, they were found before.
@@ -197,6 +193,16 @@ pub(crate) fn wandering_of<D: Wanders>(
     });
     let best = scored.max_by(|a, b| a.0.total_cmp(&b.0));
     Ok(best.map(|best| best.1).unwrap_or_default())
+}
+
+/// Whether it is of all that was measured.
+fn is_common<D: Wanders>(base: &D, judged: &JudgedDisturbance) -> bool {
+    judged.disturbance.wanderer.of_kind(base.scene()) == 1
+}
+
+/// Whether it may stand first though another one has more evidence.
+pub(crate) fn is_tried<D: Wanders>(base: &D, judged: &JudgedDisturbance) -> bool {
+    is_common(base, judged) && judged.p_value < SMOOTH_LEVEL
 }
 
 /// The first of judged disturbances, with those that explain as much; none if the data do not show it.

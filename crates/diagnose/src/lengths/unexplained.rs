@@ -27,8 +27,9 @@ pub(crate) fn unexplained_part(
     };
     if let Some(period_s) = period_s(base, current) {
         let (unit, size_s) = told_unit(period_s, "s");
+        let decimals = usize::from(size_s > 1.0);
         note += &format!(
-            ", strongest with a period of {:.0} {unit}",
+            ", strongest with a period of {:.decimals$} {unit}",
             period_s / size_s
         );
     }

@@ -17,10 +17,10 @@
 use nalgebra::{DMatrix, DVector};
 use trueaxis_campaign::Verification;
 
-use crate::Rejected;
 use crate::selection::{Projection, dot, ln_f_test};
 use crate::verification::base::{cells, passes};
 use crate::verification::comparison::Comparison;
+use crate::verification::gross_error::{Contradicts, GrossError};
 use crate::verification::noise_floor::scatter;
 use crate::verification::resolution::resolution_um;
 
@@ -32,7 +32,7 @@ pub(crate) const LEVEL: f64 = 1e-4;
 const HIDDEN: f64 = 1e-3;
 
 /// Part of the arrivals that may be slips, two in a row for one, and at least one.
-pub(crate) const MOST: f64 = 0.03;
+const MOST: f64 = 0.03;
 
 /// Slips in a row, at most: more are structure.
 const MOST_IN_A_ROW: usize = 2;
@@ -46,12 +46,7 @@ const STAYS: f64 = 0.5;
 /// Part of a slip's size by which the nearest readings may differ from those beyond them, where it is the first or last of a
 /// table. A warm-up falls most at its start, noise between two means of four is 0.7 of that of a reading, and a slip is eight of
 /// them.
-const IS_ON_ITS_WAY: f64 = 0.33;
-
-const ALONE: &str = "contradicts all other readings: a slip of the pen, or read too early";
-
-/// Of a reading that was left out with the other one of its position and side.
-pub(crate) const ONE_OF_TWO: &str = "contradicts the other reading of its position: one of the two is a slip of the pen, or was read too early";
+pub(crate) const IS_ON_ITS_WAY: f64 = 0.33;
 
 /// An arrival that stands out: error and its standard uncertainty, µm.
 #[derive(Debug, Clone, Copy)]
@@ -61,25 +56,21 @@ struct Slip {
     u_um: f64,
 }
 
-/// The readings of a table that are gross errors: their indices, and what is said of them.
+/// The readings of a table that are gross errors, in its order.
 pub(crate) fn gross_errors(
     verification: &Verification,
     comparison: &Comparison<'_>,
-) -> Vec<(usize, Rejected)> {
+) -> Vec<GrossError> {
     let Some(model) = scatter(comparison) else {
         return Vec::new();
     };
     let count = comparison.arrivals.len();
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a count"
-    )]
-    let most = ((MOST * count as f64) as usize).max(1);
+    let most = most(count);
     let screen = Screen {
         model,
         comparison,
-        resolution_um: resolution_um(comparison).unwrap_or_default(),
+        resolution_um: resolution_um(comparison.arrivals.iter().map(|a| a.value_um))
+            .unwrap_or_default(),
     };
     let Some(found) = screen.found(MOST_IN_A_ROW * most) else {
         return Vec::new();
@@ -94,15 +85,16 @@ pub(crate) fn gross_errors(
         let mut arrivals = row.iter().map(|slip| &comparison.arrivals[slip.arrival]);
         arrivals.all(|arrival| arrival.readings == 1)
     };
-    let slips = |row: &[Slip]| -> Vec<(Slip, &'static str)> {
+    let slips = |row: &[Slip]| -> Vec<(Slip, Contradicts)> {
         if row.len() > MOST_IN_A_ROW || is_jump(row, &off, &without) {
             return Vec::new();
         }
         match screen.rivals(row, &off, &without).as_deref() {
-            Some([]) => row.iter().map(|slip| (*slip, ALONE)).collect(),
+            Some([]) => row.iter().map(|slip| (*slip, Contradicts::All)).collect(),
             Some([other]) if screen.are_all_of_a_cell(row, other) => {
                 let both = [row, &other.slips].concat();
-                both.into_iter().map(|slip| (slip, ONE_OF_TWO)).collect()
+                let said = |slip| (slip, Contradicts::TheOther);
+                both.into_iter().map(said).collect()
             }
             _ => Vec::new(),
         }
@@ -115,20 +107,26 @@ pub(crate) fn gross_errors(
         reading
     });
     let first_readings: Vec<usize> = first_readings.collect();
-    let mut slips: Vec<(Slip, &str)> = rows.flat_map(slips).collect();
+    let mut slips: Vec<(Slip, Contradicts)> = rows.flat_map(slips).collect();
     slips.sort_by_key(|(slip, _)| slip.arrival);
-    let said = slips.into_iter().map(|(slip, reason)| {
+    slips.dedup_by_key(|(slip, _)| slip.arrival);
+    let said = slips.into_iter().map(|(slip, contradicts)| {
         let reading = first_readings[slip.arrival];
-        let rejected = Rejected {
-            file: verification.name.clone(),
-            row: verification.readings[reading].line,
-            error_um: slip.error_um,
-            u_um: slip.u_um,
-            reason: reason.to_owned(),
-        };
-        (reading, rejected)
+        let error = (slip.error_um, slip.u_um);
+        GrossError::new(verification, reading, error, contradicts)
     });
     said.collect()
+}
+
+/// Most slips of a number of readings or arrivals: more are structure.
+pub(crate) fn most(count: usize) -> usize {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a count"
+    )]
+    let most = (MOST * count as f64) as usize;
+    most.max(1)
 }
 
 /// What the arrivals are tested with.

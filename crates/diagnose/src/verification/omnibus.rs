@@ -12,6 +12,7 @@
 use std::f64::consts::TAU;
 
 use trueaxis_campaign::VerificationKind;
+use trueaxis_files::told_unit;
 
 use crate::engine::{Family, MOST_OF_FREEDOM, Omnibus};
 use crate::selection::Projection;
@@ -102,8 +103,10 @@ fn period(problem: &Problem<'_>, model: &Projection) -> Option<String> {
     let arrivals = &problem.comparison.arrivals;
     let duration = arrivals.iter().map(|a| a.elapsed_s).fold(0.0, f64::max);
     let best = best_waves(problem, model)?;
-    let unit = problem.comparison.unit_of_time();
-    Some(format!("{:.0} {unit}", duration / best as f64))
+    let period = duration / best as f64;
+    let (unit, size) = told_unit(period, problem.comparison.unit_of_time());
+    let decimals = usize::from(size > 1.0);
+    Some(format!("{:.decimals$} {unit}", period / size))
 }
 
 /// Waves over the table that explain most.

@@ -5,15 +5,13 @@
 
 use std::f64::consts::PI;
 
-use crate::verification::comparison::Comparison;
-
 /// Readings that differ by less than this part of them are equal.
 const EQUAL: f64 = 1e-9;
 
 /// Standard uncertainty of a reading from its last digit, µm: the smallest difference of any two readings stands for that
 /// digit. `None` if all readings are equal.
-pub(crate) fn resolution_um(comparison: &Comparison<'_>) -> Option<f64> {
-    let mut values: Vec<f64> = comparison.arrivals.iter().map(|a| a.value_um).collect();
+pub(crate) fn resolution_um(values_um: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values_um.collect();
     values.sort_by(f64::total_cmp);
     let gaps = values.windows(2).filter_map(|pair| {
         let (gap, larger) = (pair[1] - pair[0], pair[0].abs().max(pair[1].abs()));

@@ -152,7 +152,7 @@ fn impossible(problem: &Problem<'_>) -> Option<Unexplained> {
         rms_um: problem.sigma_um * (best.statistic / problem.readings() as f64).sqrt(),
         share: 0.0,
         note: format!(
-            "it varies with {}, as in {}, but by more than any machine does",
+            "it varies with {} as {} does, but by more than on any machine",
             varies_with.join(" and "),
             id.replace('_', " ")
         ),

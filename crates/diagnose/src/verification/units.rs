@@ -80,7 +80,8 @@ pub(crate) fn doubt(comparison: &Comparison<'_>) -> Option<String> {
     let low = values().fold(f64::INFINITY, f64::min);
     let span_um = values().fold(f64::NEG_INFINITY, f64::max) - low;
     let range_mm = range_mm.filter(|range_mm| *range_mm >= LEAST_RANGE_MM)?;
-    let is_small = span_um < BENEATH_MACHINES_UM && resolution_um(comparison)? < LEAST_DIGIT_UM;
+    let is_small = span_um < BENEATH_MACHINES_UM
+        && resolution_um(comparison.arrivals.iter().map(|a| a.value_um))? < LEAST_DIGIT_UM;
     is_small.then(|| {
         format!(
             "readings within {span_um:.2} µm over {range_mm:.0} mm look like millimetres or inches; they are taken as micrometres"

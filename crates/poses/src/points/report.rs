@@ -67,11 +67,18 @@ pub(crate) fn points_report(
             report.factor_degrees_of_freedom = degrees_of_freedom;
         }
     }
+    let both_sides = !by_direction && approached_from_both_sides(campaign);
     let returns_mm = report.uncertainty_factor * measured.repeatability_variance_mm2.sqrt();
     if campaign.instrument.repeatability_um.is_none() && returns_mm > 0.0 {
+        let sides = match both_sides {
+            true => {
+                ", the difference of both sides of approach included; --by-direction keeps them apart"
+            }
+            false => "",
+        };
         notices.push(format!(
             "repeatability_um is not declared: by the repeated points the machine returns within {:.2} µm (standard \
-             deviation of a coordinate)",
+             deviation of a coordinate{sides})",
             returns_mm / MICROMETRE
         ));
     }
@@ -79,7 +86,6 @@ pub(crate) fn points_report(
         true => "all uncertainties are multiplied by this",
         false => "uncertainties are those of the declared noise",
     };
-    let both_sides = !by_direction && approached_from_both_sides(campaign);
     notices.extend(report.residual_notices(consequence, both_sides));
     (report, notices)
 }

@@ -1,0 +1,70 @@
+//! A reading that is left out, and how that is said.
+
+use trueaxis_campaign::Verification;
+
+use crate::Rejected;
+
+/// What a reading contradicts.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Contradicts {
+    All,
+    /// The other one of its position and side, which is left out, too.
+    TheOther,
+    ItsStop,
+}
+
+impl Contradicts {
+    fn reason(self) -> &'static str {
+        match self {
+            Self::All => "contradicts all other readings: a slip of the pen, or read too early",
+            Self::TheOther => {
+                "contradicts the other reading of its position: one of the two is a slip of the pen, or was read too early"
+            }
+            Self::ItsStop => {
+                "contradicts the other readings of its stop: a slip of the pen, or of the instrument"
+            }
+        }
+    }
+
+    /// What follows "is off by … against" in a notice.
+    pub(crate) fn against(self) -> &'static str {
+        match self {
+            Self::All => "all others and was left out",
+            Self::TheOther => {
+                "the other one of its position; nothing tells which is wrong, so both were left out: read it again"
+            }
+            Self::ItsStop => "the others of its stop and was left out",
+        }
+    }
+}
+
+/// A reading of a table that is left out.
+pub(crate) struct GrossError {
+    /// Its index.
+    pub(crate) reading: usize,
+    pub(crate) rejected: Rejected,
+    pub(crate) contradicts: Contradicts,
+}
+
+impl GrossError {
+    /// With its error and the standard uncertainty of that, µm.
+    pub(crate) fn new(
+        verification: &Verification,
+        reading: usize,
+        (error_um, u_um): (f64, f64),
+        contradicts: Contradicts,
+    ) -> Self {
+        let rejected = Rejected {
+            file: verification.name.clone(),
+            row: verification.readings[reading].line,
+            error_um,
+            u_um,
+            reason: contradicts.reason().to_owned(),
+        };
+        Self {
+            reading,
+            rejected,
+            contradicts,
+        }
+    }
+}
