@@ -139,6 +139,10 @@ fn by_points(
     Ok((points, found))
 }
 
+/// No machine returns to its positions worse, mm: repeats that differ by more are mistakes, which multiply all uncertainties. The same
+/// of a micrometre of noise, beside which nothing else would count.
+const MOST_REPEATABILITY_MM: f64 = 1.0;
+
 fn from_points<'a>(
     campaign: &'a Campaign,
     points: &Points,
@@ -167,7 +171,11 @@ fn from_points<'a>(
         // This one is known; where repeats scatter by more it grows with the others.
         Some(known_mm) if is_undeclared => Some((known_mm * known_mm, Matrix2::zeros())),
         Some(_) => None,
-        None => points.repeatability_by_repeats(unit, relative_variance),
+        // Nothing tells it from the noise of the instrument.
+        None if is_undeclared && residuals.is_none() => None,
+        None => points
+            .repeatability_by_repeats(unit, relative_variance)
+            .filter(|(mm2, _)| mm2.max(mm2 / unit) < MOST_REPEATABILITY_MM.powi(2)),
     };
     let by_repeats = by_repeats.filter(|(variance_mm2, _)| *variance_mm2 > 0.0);
     if let Some((variance_mm2, relative_covariance)) = by_repeats {

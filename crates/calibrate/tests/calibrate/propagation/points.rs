@@ -206,6 +206,30 @@ fn repeats_tell_an_undeclared_repeatability() {
     }
 }
 
+/// A visit in which all targets are a metre off made the machine return within a hundred millimetres, with a covariance that
+/// had no inverse.
+#[test]
+fn a_mistake_in_repeats_is_no_repeatability() {
+    let mut campaign = points_campaign(simulated(&two_branches()), 8, &Isometry3::identity());
+    campaign.instrument.repeatability_um = None;
+    let points = campaign.points.as_mut().unwrap();
+    let last = points.stops.last().unwrap().readings.clone();
+    points.readings[last]
+        .iter_mut()
+        .for_each(|reading| reading.position_mm.x += 1e3);
+    for sigma_um in [None, Some(1.0)] {
+        for reading in &mut campaign.points.as_mut().unwrap().readings {
+            reading.sigma_um = sigma_um;
+        }
+        let said = match calibrate(&campaign, &settings(Method::Nine)) {
+            Ok(calibration) => calibration.notices.join("; "),
+            Err(error) => error.to_string(),
+        };
+        // Of the mistake, not of a covariance that it makes.
+        assert!(said.contains("axis C does not move as commanded"), "{said}");
+    }
+}
+
 /// Trials drew an undeclared noise as 1 µm, whatever the residuals say. The results have some ten degrees of freedom: the rms of
 /// 100 trials is known to 3 %.
 #[test]
