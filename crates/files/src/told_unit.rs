@@ -4,7 +4,7 @@ const DAY_S: f64 = 86_400.0;
 
 const YEAR_S: f64 = 365.25 * DAY_S;
 
-/// A larger unit is taken from so many of it on.
+/// How many of a larger unit there must be before it is used.
 const LEAST: f64 = 2.0;
 
 /// The unit in which a value is told, and how many of the given unit it has: long times are told in days or years.
@@ -22,4 +22,18 @@ pub fn told_unit(value: f64, unit: &str) -> (&str, f64) {
         s if unit == "s" && s >= LEAST * DAY_S => ("days", DAY_S),
         _ => (unit, 1.0),
     }
+}
+
+/// A period in the unit in which it is told: whole seconds, tenths of days and years.
+///
+/// ```
+/// use trueaxis_files::told_period;
+///
+/// assert_eq!(told_period(5210.4, "s"), "5210 s");
+/// assert_eq!(told_period(207_360.0, "s"), "2.4 days");
+/// ```
+pub fn told_period(value: f64, unit: &str) -> String {
+    let (unit, size) = told_unit(value, unit);
+    let decimals = usize::from(size > 1.0);
+    format!("{:.decimals$} {unit}", value / size)
 }

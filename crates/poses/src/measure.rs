@@ -169,7 +169,9 @@ fn from_points<'a>(
     let relative_variance = residuals.map_or(0.0, |degrees| 2.0 / degrees);
     let by_repeats = match declared_mm {
         // This one is known; where repeats scatter by more it grows with the others.
-        Some(known_mm) if is_undeclared => Some((known_mm * known_mm, Matrix2::zeros())),
+        Some(known_mm) if residuals.is_some() && known_mm > 0.0 => {
+            Some((known_mm * known_mm, Matrix2::zeros()))
+        }
         Some(_) => None,
         // Nothing tells it from the noise of the instrument.
         None if is_undeclared && residuals.is_none() => None,
@@ -177,7 +179,6 @@ fn from_points<'a>(
             .repeatability_by_repeats(unit, relative_variance)
             .filter(|(mm2, _)| mm2.max(mm2 / unit) < MOST_REPEATABILITY_MM.powi(2)),
     };
-    let by_repeats = by_repeats.filter(|(variance_mm2, _)| *variance_mm2 > 0.0);
     if let Some((variance_mm2, relative_covariance)) = by_repeats {
         (points, found) = with_repeatability((variance_mm2 / unit).sqrt())?;
         found.poses.relative_covariance = relative_covariance;

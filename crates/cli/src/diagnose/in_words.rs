@@ -185,7 +185,7 @@ pub(crate) fn percent(share: f64) -> String {
     }
 }
 
-/// An amount with so many decimals; with three digits where those would leave next to nothing of it.
+/// An amount with this many decimals, or with three significant digits where these would round it to next to nothing.
 pub(crate) fn amount(value: f64, decimals: i32) -> String {
     let last = 10_f64.powi(-decimals);
     match value.abs() < 10.0 * last {

@@ -18,9 +18,6 @@ const DIVIDES: f64 = 1e-6;
 /// Distances that differ by no more than this are equal, relative.
 const EQUAL: f64 = 1e-6;
 
-/// Of all axes, mm or rad, by an error of the tool: with an axis at its place, of these commanded positions.
-type Deviations = dyn Fn(&Request<'_>, usize, &[f64], &MotionError) -> Vec<f64>;
-
 /// One axis moves, all others stand at home.
 #[derive(Debug, Clone)]
 pub(crate) struct Line {
@@ -37,15 +34,22 @@ pub(crate) struct Line {
 impl Line {
     /// At the steps of the axis, or at the spacing that is asked for.
     pub(crate) fn new(request: &Request<'_>, axis: usize) -> Result<Self, Error> {
-        Self::of(request, axis, &deviations)
+        Self::of(request, axis, deviations)
     }
 
     /// The same for a table that moves no axis but this one: what it can take away alone.
     pub(crate) fn alone(request: &Request<'_>, axis: usize) -> Result<Self, Error> {
-        Self::of(request, axis, &own_deviation)
+        Self::of(request, axis, |request, axis, _, error| {
+            own_deviation(request, axis, error)
+        })
     }
 
-    fn of(request: &Request<'_>, axis: usize, deviations: &Deviations) -> Result<Self, Error> {
+    /// With what an error of the tool makes of all axes, an axis being at its place of these commanded positions.
+    fn of(
+        request: &Request<'_>,
+        axis: usize,
+        deviations: impl Fn(&Request<'_>, usize, &[f64], &MotionError) -> Vec<f64>,
+    ) -> Result<Self, Error> {
         let positions = positions(request, axis)?;
         let machine = request.machine.machine();
         let commanded = |position: f64| {
@@ -247,7 +251,7 @@ fn deviations(
 ) -> Vec<f64> {
     let machine = request.machine.machine();
     let freedom = Freedom::new(machine, commanded, request.at, Moved::Linear);
-    let own = own_deviation(request, axis, commanded, error);
+    let own = own_deviation(request, axis, error);
     let mut rest = *error;
     if machine.axes()[axis].kind() == AxisKind::Linear {
         rest.translation_mm -= direction(machine, axis) * own[axis];
@@ -257,7 +261,7 @@ fn deviations(
 }
 
 /// How far the axis itself is off, along or about its direction: nothing for the others.
-fn own_deviation(request: &Request<'_>, axis: usize, _: &[f64], error: &MotionError) -> Vec<f64> {
+fn own_deviation(request: &Request<'_>, axis: usize, error: &MotionError) -> Vec<f64> {
     let machine = request.machine.machine();
     let part = match machine.axes()[axis].kind() {
         AxisKind::Linear => error.translation_mm,

@@ -38,7 +38,7 @@ pub fn verification_json(
     }))
 }
 
-/// None of nothing.
+/// Entries as a list; none if there are none.
 fn if_any(entries: impl Iterator<Item = Value>) -> Option<Vec<Value>> {
     Some(entries.collect::<Vec<_>>()).filter(|all| !all.is_empty())
 }

@@ -123,9 +123,9 @@ fn is_too_dear<D: Wanders>(
     let may_be_first = |(k, own): &(usize, &JudgedDisturbance)| *k == 0 || is_tried(base, own);
     let first = one_by_one.iter().enumerate().filter(may_be_first);
     let first = first.map(|(_, own)| price(of_wandering(base, &plain, std::slice::from_ref(own))));
-    let of_wandering = first.fold(f64::INFINITY, f64::min);
+    let least_of_wandering = first.fold(f64::INFINITY, f64::min);
     let of_causes = price(of_model(base, &plain, &search.found, &[]));
-    Ok(STILL_PAID * of_wandering > of_causes + MOST as f64 * NOT_SIGNIFICANT)
+    Ok(STILL_PAID * least_of_wandering > of_causes + MOST as f64 * NOT_SIGNIFICANT)
 }
 
 /// Adds to causes the disturbances that may have been there instead: of the same thing, and with more evidence. A rival may have

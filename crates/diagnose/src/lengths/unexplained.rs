@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use trueaxis_effects::Level;
-use trueaxis_files::told_unit;
+use trueaxis_files::told_period;
 
 use crate::Unexplained;
 use crate::engine::{Omnibus, Suspect, unexplained};
@@ -26,11 +26,9 @@ pub(crate) fn unexplained_part(
         _ => part.note,
     };
     if let Some(period_s) = period_s(base, current) {
-        let (unit, size_s) = told_unit(period_s, "s");
-        let decimals = usize::from(size_s > 1.0);
         note += &format!(
-            ", strongest with a period of {:.decimals$} {unit}",
-            period_s / size_s
+            ", strongest with a period of {}",
+            told_period(period_s, "s")
         );
     }
     note += &of_stations(base, current);

@@ -12,7 +12,7 @@
 use std::f64::consts::TAU;
 
 use trueaxis_campaign::VerificationKind;
-use trueaxis_files::told_unit;
+use trueaxis_files::told_period;
 
 use crate::engine::{Family, MOST_OF_FREEDOM, Omnibus};
 use crate::selection::Projection;
@@ -103,10 +103,8 @@ fn period(problem: &Problem<'_>, model: &Projection) -> Option<String> {
     let arrivals = &problem.comparison.arrivals;
     let duration = arrivals.iter().map(|a| a.elapsed_s).fold(0.0, f64::max);
     let best = best_waves(problem, model)?;
-    let period = duration / best as f64;
-    let (unit, size) = told_unit(period, problem.comparison.unit_of_time());
-    let decimals = usize::from(size > 1.0);
-    Some(format!("{:.decimals$} {unit}", period / size))
+    let unit = problem.comparison.unit_of_time();
+    Some(told_period(duration / best as f64, unit))
 }
 
 /// Waves over the table that explain most.

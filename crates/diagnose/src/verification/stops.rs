@@ -20,22 +20,22 @@ pub(crate) fn slips_within_stops(
     verification: &Verification,
     comparison: &Comparison<'_>,
 ) -> Vec<GrossError> {
-    let readings = verification.readings.iter();
-    let mut readings = readings.map(|reading| reading.value_um).enumerate();
-    let arrivals = comparison.arrivals.iter();
-    let mut stops: Vec<Vec<(usize, f64)>> = arrivals
-        .map(|arrival| readings.by_ref().take(arrival.readings).collect())
-        .collect();
-    let cells = cells(comparison);
-    let values_um = verification.readings.iter().map(|r| r.value_um);
-    let resolution_um = resolution_um(values_um).unwrap_or_default();
+    let values_um = || verification.readings.iter().map(|r| r.value_um);
+    let mut readings = values_um().enumerate();
+    let arrivals = comparison.arrivals.iter().zip(cells(comparison));
+    let stops = arrivals.map(|(arrival, cell)| Stop {
+        cell,
+        readings: readings.by_ref().take(arrival.readings).collect(),
+        is_settled: false,
+    });
+    let mut stops: Vec<Stop> = stops.collect();
+    let resolution_um = resolution_um(values_um()).unwrap_or_default();
     let count = verification.readings.len();
     let mut slips: Vec<(usize, Slip, Contradicts)> = Vec::new();
     // What is left at the last of them.
     let (mut found, mut variance) = (0, 0.0);
-    let mut settled = vec![false; stops.len()];
-    while let Some(slip) = largest(&stops, &settled) {
-        let others = left(&stops, &settled, &slip, resolution_um);
+    while let Some(slip) = largest(&stops) {
+        let others = left(&stops, &slip, resolution_um);
         let drop = slip.error_um.powi(2) * slip.redundancy;
         let ln_p = ln_f_test(drop, drop + others.squares, 1, others.freedom + 1.0);
         let is_clear = ln_p < (LEVEL / count as f64).ln();
@@ -46,23 +46,23 @@ pub(crate) fn slips_within_stops(
             return Vec::new();
         }
         found += 1;
-        if is_on_its_way(&stops, &cells, &slip) {
-            settled[slip.stop] = true;
+        if is_on_its_way(&stops, &slip) {
+            stops[slip.stop].is_settled = true;
             continue;
         }
         variance = others.squares / others.freedom;
-        let stop = &mut stops[slip.stop];
-        match stop.len() {
+        let readings = &mut stops[slip.stop].readings;
+        match readings.len() {
             2 => {
                 let other = Slip {
                     error_um: -slip.error_um,
                     ..slip
                 };
-                slips.push((stop[1 - slip.place].0, other, Contradicts::TheOther));
-                slips.push((stop[slip.place].0, slip, Contradicts::TheOther));
-                stop.clear();
+                slips.push((readings[1 - slip.place].0, other, Contradicts::TheOther));
+                slips.push((readings[slip.place].0, slip, Contradicts::TheOther));
+                readings.clear();
             }
-            _ => slips.push((stop.remove(slip.place).0, slip, Contradicts::ItsStop)),
+            _ => slips.push((readings.remove(slip.place).0, slip, Contradicts::ItsStop)),
         }
     }
     slips.sort_by_key(|(reading, ..)| *reading);
@@ -71,6 +71,29 @@ pub(crate) fn slips_within_stops(
         GrossError::new(verification, reading, (slip.error_um, u_um), contradicts)
     });
     said.collect()
+}
+
+/// What is left of the readings of a stop.
+struct Stop {
+    /// The number of its position and side.
+    cell: usize,
+    /// Their numbers and values, µm.
+    readings: Vec<(usize, f64)>,
+    /// Whether the machine was on its way there.
+    is_settled: bool,
+}
+
+impl Stop {
+    fn mean(&self) -> f64 {
+        self.readings.iter().map(|(_, value)| value).sum::<f64>() / self.readings.len() as f64
+    }
+
+    /// Values without that of one place.
+    fn without(&self, out: Option<usize>) -> Vec<f64> {
+        let all = self.readings.iter().enumerate();
+        let kept = all.filter(|(place, _)| Some(*place) != out);
+        kept.map(|(_, (_, value))| *value).collect()
+    }
 }
 
 /// A reading of a stop, and how far it is off the mean of the others there.
@@ -84,14 +107,14 @@ struct Slip {
 }
 
 /// The reading that stands out most among those of its stop.
-fn largest(stops: &[Vec<(usize, f64)>], settled: &[bool]) -> Option<Slip> {
+fn largest(stops: &[Stop]) -> Option<Slip> {
     let stops = stops.iter().enumerate();
     let slips = stops
-        .filter(|(stop, own)| own.len() > 1 && !settled[*stop])
+        .filter(|(_, own)| own.readings.len() > 1 && !own.is_settled)
         .flat_map(|(stop, own)| {
-            let redundancy = 1.0 - 1.0 / own.len() as f64;
-            let mean = own.iter().map(|(_, value)| value).sum::<f64>() / own.len() as f64;
-            own.iter().enumerate().map(move |(place, (_, value))| Slip {
+            let (redundancy, mean) = (1.0 - 1.0 / own.readings.len() as f64, own.mean());
+            let readings = own.readings.iter().enumerate();
+            readings.map(move |(place, (_, value))| Slip {
                 stop,
                 place,
                 error_um: (value - mean) / redundancy,
@@ -104,25 +127,24 @@ fn largest(stops: &[Vec<(usize, f64)>], settled: &[bool]) -> Option<Slip> {
 
 /// Whether the machine was on its way when a reading was taken, as at the start of a warm-up: the others of its stop, or the nearest
 /// stops before and after it at the same position, are not much nearer to each other.
-fn is_on_its_way(stops: &[Vec<(usize, f64)>], cells: &[usize], slip: &Slip) -> bool {
+fn is_on_its_way(stops: &[Stop], slip: &Slip) -> bool {
     let near_um = IS_ON_ITS_WAY * slip.error_um.abs();
-    let own = || stops[slip.stop].iter().enumerate();
+    let own = &stops[slip.stop];
     // Of two neither is known to be the slip.
-    let is_other = |place: usize| place != slip.place || stops[slip.stop].len() == 2;
-    let others = || own().filter(|(place, _)| is_other(*place));
-    let others = || others().map(|(_, (_, value))| *value);
+    let is_known = own.readings.len() > 2;
+    let others = own.without(is_known.then_some(slip.place));
+    let of_others = || others.iter().copied();
     let range_um =
-        others().fold(f64::NEG_INFINITY, f64::max) - others().fold(f64::INFINITY, f64::min);
-    if stops[slip.stop].len() > 2 && range_um > near_um {
+        of_others().fold(f64::NEG_INFINITY, f64::max) - of_others().fold(f64::INFINITY, f64::min);
+    if is_known && range_um > near_um {
         return true;
     }
-    let is_same = |other: &usize| cells[*other] == cells[slip.stop] && !stops[*other].is_empty();
-    let before = (0..slip.stop).rev().find(is_same);
-    let after = (slip.stop + 1..stops.len()).find(is_same);
+    let is_same = |other: &&Stop| other.cell == own.cell && !other.readings.is_empty();
+    let before = stops[..slip.stop].iter().rev().find(is_same);
+    let after = stops[slip.stop + 1..].iter().find(is_same);
     [before, after].into_iter().flatten().any(|neighbour| {
-        let values = stops[neighbour].iter().map(|(_, value)| value);
-        let mean = values.sum::<f64>() / stops[neighbour].len() as f64;
-        others().all(|value| (value - mean).abs() > near_um)
+        let mean = neighbour.mean();
+        others.iter().all(|value| (value - mean).abs() > near_um)
     })
 }
 
@@ -133,13 +155,11 @@ struct Left {
 }
 
 /// Without one, and by no less than the last digit.
-fn left(stops: &[Vec<(usize, f64)>], settled: &[bool], without: &Slip, resolution_um: f64) -> Left {
+fn left(stops: &[Stop], without: &Slip, resolution_um: f64) -> Left {
     let (mut squares, mut freedom) = (0.0, 0.0);
     let all = stops.iter().enumerate();
-    for (number, stop) in all.filter(|(number, _)| !settled[*number]) {
-        let is_out = |place: usize| (without.stop, without.place) == (number, place);
-        let own = stop.iter().enumerate().filter(|(place, _)| !is_out(*place));
-        let own: Vec<f64> = own.map(|(_, (_, value))| *value).collect();
+    for (number, stop) in all.filter(|(_, stop)| !stop.is_settled) {
+        let own = stop.without((without.stop == number).then_some(without.place));
         let mean = own.iter().sum::<f64>() / own.len().max(1) as f64;
         squares += own.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
         freedom += own.len().saturating_sub(1) as f64;

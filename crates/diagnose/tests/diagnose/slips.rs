@@ -213,6 +213,17 @@ fn of_two_readings_that_contradict_each_other_neither_stays() {
     }
 }
 
+/// Makes three readings of each, with the values that `value_um` makes of the row and that of the stop.
+fn thrice(table: &mut Verification, mut value_um: impl FnMut(usize, f64) -> f64) {
+    let stops = std::mem::take(&mut table.readings).into_iter();
+    let readings = stops.flat_map(|reading| std::iter::repeat_n(reading, 3));
+    for (row, mut reading) in readings.enumerate() {
+        reading.value_um = value_um(row, reading.value_um);
+        reading.line = row + 2;
+        table.readings.push(reading);
+    }
+}
+
 /// Three readings at each stop of a fixed point that drifts by 30 µm, some of them off by 4 mm: they were averaged with the others of
 /// their stop, and nothing was said but that the noise was 335 µm.
 #[test]
@@ -221,17 +232,11 @@ fn a_slip_among_the_readings_of_a_stop_is_left_out() {
         let layout = Layout::new(1, 60, 1);
         let mut random = generator(seed, 47);
         let mut table = layout.table(&mut random, |row| 0.5 * row as f64);
-        let readings = std::mem::take(&mut table.readings);
-        let thrice = readings
-            .into_iter()
-            .flat_map(|reading| std::iter::repeat_n(reading, 3));
-        for (row, mut reading) in thrice.enumerate() {
+        thrice(&mut table, |row, value_um| {
             let noise: f64 = StandardNormal.sample(&mut random);
             let off = if slips.contains(&row) { 4e3 } else { 0.0 };
-            reading.value_um += off + 0.3 * noise;
-            reading.line = row + 2;
-            table.readings.push(reading);
-        }
+            value_um + off + 0.3 * noise
+        });
         let found = found(table);
         let expected: Vec<usize> = slips.iter().map(|row| row + 2).collect();
         assert_eq!(rows(&found), expected);
@@ -245,16 +250,10 @@ fn a_warm_up_within_the_first_stops_is_no_slip() {
     for (seed, constant) in (0..30).zip([1.5, 3.0, 6.0].into_iter().cycle()) {
         let mut random = generator(seed, 49);
         let mut table = Layout::new(1, 60, 1).table(&mut random, |_| 0.0);
-        let readings = std::mem::take(&mut table.readings);
-        let thrice = readings
-            .into_iter()
-            .flat_map(|reading| std::iter::repeat_n(reading, 3));
-        for (row, mut reading) in thrice.enumerate() {
+        thrice(&mut table, |row, value_um| {
             let noise: f64 = StandardNormal.sample(&mut random);
-            reading.value_um += 200.0 * (-(row as f64) / constant).exp() + 0.3 * noise;
-            reading.line = row + 2;
-            table.readings.push(reading);
-        }
+            value_um + 200.0 * (-(row as f64) / constant).exp() + 0.3 * noise
+        });
         assert_eq!(rows(&found(table)), Vec::<usize>::new(), "{seed}");
     }
 }
@@ -265,15 +264,9 @@ fn a_warm_up_within_the_first_stops_is_no_slip() {
 fn the_last_digit_is_no_slip() {
     let mut random = generator(1, 50);
     let mut table = Layout::new(1, 20, 1).table(&mut random, |_| 0.0);
-    let readings = std::mem::take(&mut table.readings);
-    let thrice = readings
-        .into_iter()
-        .flat_map(|reading| std::iter::repeat_n(reading, 3));
-    for (row, mut reading) in thrice.enumerate() {
-        reading.value_um = reading.value_um.round() + f64::from(u8::from(row == 31));
-        reading.line = row + 2;
-        table.readings.push(reading);
-    }
+    thrice(&mut table, |row, value_um| {
+        value_um.round() + f64::from(u8::from(row == 31))
+    });
     assert_eq!(rows(&found(table)), Vec::<usize>::new());
 }
 

@@ -49,11 +49,11 @@ impl MeasuredPoints {
         relative_variance: f64,
     ) -> Option<(f64, Matrix2<f64>)> {
         let (squares, degrees) = self.repeat_scatter();
-        let [trace, of_square] = self.traces_of_visits();
         let excess = squares - unit * degrees as f64;
         if degrees == 0 || excess <= 0.0 {
             return None;
         }
+        let [trace, of_square] = self.traces_of_visits();
         let variance = excess / trace;
         let by_unit = unit * degrees as f64;
         let of_squares =
@@ -64,30 +64,28 @@ impl MeasuredPoints {
         Some((variance, relative))
     }
 
-    /// `tr A` and `tr A²`.
+    /// `tr A` and `tr A²`. With `A = D - B Bᵀ`, `D_v = Σ_v w` and `B_vt = w_tv / √w_t`, the last is
+    /// `Σ D² - 2 Σ D (B Bᵀ)_vv + tr (Bᵀ B)²`, and `Bᵀ B` has as many rows as there are targets.
     fn traces_of_visits(&self) -> [f64; 2] {
         let (mut trace, mut of_square) = (0.0, 0.0);
         for (group, readings) in self.groups.iter().zip(&self.readings) {
-            let visits: Vec<BTreeMap<usize, f64>> = by_visit(readings)
-                .into_values()
-                .map(|v| v.weights)
-                .collect();
+            let visits = by_visit(readings);
             let mut of_targets = vec![0.0; group.targets.len()];
-            visits
-                .iter()
-                .flatten()
-                .for_each(|(&t, w)| of_targets[t] += w);
-            for (v, a) in visits.iter().enumerate() {
-                for (k, b) in visits.iter().enumerate() {
-                    let own = if v == k { a.values().sum() } else { 0.0 };
-                    let shared = a
-                        .iter()
-                        .filter_map(|(t, w)| Some(w * b.get(t)? / of_targets[*t]));
-                    let element: f64 = own - shared.sum::<f64>();
-                    trace += if v == k { 3.0 * element } else { 0.0 };
-                    of_square += 3.0 * element * element;
+            let weights = visits.values().flat_map(|visit| &visit.weights);
+            weights.for_each(|(&t, w)| of_targets[t] += w);
+            let mut products = DMatrix::<f64>::zeros(of_targets.len(), of_targets.len());
+            for Visit { weights, .. } in visits.values() {
+                let scaled = weights.iter().map(|(&t, w)| (t, w / of_targets[t].sqrt()));
+                let scaled: Vec<(usize, f64)> = scaled.collect();
+                let all: f64 = weights.values().sum();
+                let own: f64 = scaled.iter().map(|(_, b)| b * b).sum();
+                trace += 3.0 * (all - own);
+                of_square += 3.0 * all * (all - 2.0 * own);
+                for (t, b) in &scaled {
+                    scaled.iter().for_each(|(k, c)| products[(*t, *k)] += b * c);
                 }
             }
+            of_square += 3.0 * products.norm_squared();
         }
         [trace, of_square]
     }
