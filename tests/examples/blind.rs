@@ -90,6 +90,7 @@ fn kind_of(name: &str, seed: u64) -> Kind {
         ("clean", 2) => Kind::rotary_stage(),
         ("clean", 3) => Kind::rotary_stage().forward_and_backward(),
         ("timestamp_offset", _) => Kind::three_axis().on_the_fly(),
+        ("loosening_drive", _) => Kind::three_axis().forward_and_backward(),
         (pair, _) if pair.contains("backlash") => Kind::three_axis().forward_and_backward(),
         _ => Kind::three_axis(),
     }
@@ -148,13 +149,16 @@ fn outcome(name: &str, seed: u64, strength: f64) -> Option<Outcome> {
 /// Whether that is what wanders in one that no catalogue has.
 fn is_wandering(hidden: &Hidden, whose: &trueaxis_diagnose::Wandering) -> bool {
     let (layer, station) = (whose.layer.name(), whose.subject.station);
-    let of_all = station.is_none() && whose.subject.target.is_none();
+    let of_all =
+        station.is_none() && whose.subject.target.is_none() && whose.subject.axis.is_none();
     let with = whose.varies_with;
     match hidden.name {
         "air_conditioning" => of_all && with == ["time"],
         "opposed_warm_ups" => of_all && with == ["time"] && layer != "instrument",
         "tripod_sway" => station == hidden.station && with == ["time"],
         "cross_talk" => station == hidden.station && with == ["position"],
+        "warping_axis" => whose.subject.axis == hidden.axis && with == ["time", "position"],
+        "loosening_drive" => whose.subject.axis == hidden.axis && with == ["time", "direction"],
         _ => false,
     }
 }
@@ -227,6 +231,12 @@ fn judged(name: &str, seed: u64, kind: &Kind, hidden: &[Hidden], diagnosis: &Dia
         diagnosis.verdict == Verdict::Clean
     } else if name == "mess" {
         diagnosis.verdict != Verdict::Named
+    } else if name == "loosening_drive" {
+        // Its mean is lost motion.
+        let is_mean = |c: &&trueaxis_diagnose::Cause| {
+            c.effect.effect.id == "backlash" && c.effect.subject.axis == hidden[0].axis
+        };
+        hidden.iter().all(wanders) && causes.iter().all(is_mean)
     } else if blind::UNCATALOGUED.contains(&name) {
         diagnosis.verdict == Verdict::Unknown && hidden.iter().all(wanders)
     } else {

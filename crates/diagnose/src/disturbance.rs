@@ -39,7 +39,7 @@ pub struct Wandering {
     pub layer: Layer,
     /// Station, target or axis; none for what concerns all.
     pub subject: Subject,
-    /// `time`; `position`; `position` and `direction`.
+    /// `time`; `position`; `position` and `direction`; of an axis `time` and `position` (its geometry), `time` and `direction`.
     pub varies_with: &'static [&'static str],
 }
 
@@ -57,8 +57,11 @@ pub struct CorrelationLength {
 pub struct CurvePoint {
     /// Time or position, in the unit of the correlation length; mm of a free form.
     pub at: f64,
+    /// Where the axis stands of whose geometry it is, mm or deg; none of anything else.
+    pub position: Option<f64>,
     /// Each coordinate (x, y, z; of a station its dead path, of the frame of the instrument its rotations by what they move the
-    /// points, rms, too), µm: from its mean over a turn, or over the range.
+    /// points, rms, too; of the geometry of an axis x, y, z of what carries it and the
+    /// rotations of its stage about these by what they move its targets, rms), µm: from its mean over a turn, or over the range.
     pub value_um: Vec<f64>,
     /// Their standard uncertainties, µm.
     pub u_um: Vec<f64>,
@@ -83,6 +86,7 @@ impl Wandering {
             }
             (_, _, Layer::Machine) if axis.is_some() => match self.varies_with {
                 ["time"] => format!("the scale of axis {axis_name}"),
+                ["time", "position"] => format!("the geometry of axis {axis_name}"),
                 ["position"] => format!("axis {axis_name}"),
                 _ => format!("lost motion of axis {axis_name}"),
             },
@@ -100,6 +104,7 @@ impl Wandering {
             (["position"], Some(_)) if self.layer != Layer::Machine => {
                 format!("{who}, with the position of {axis_name}")
             }
+            (["time", _], Some(_)) => format!("{who}, with time"),
             (with, _) => format!("{who}, with {}", with.join(" and ")),
         }
     }

@@ -35,6 +35,7 @@
 mod between;
 mod candidate;
 mod competition;
+pub(crate) mod coordinate;
 mod culprit;
 pub(crate) mod disturbance;
 mod estimated;

@@ -82,12 +82,12 @@ impl<'a> Circumstances<'a> {
     }
 
     /// Commanded position of an axis, mm or rad; 0 of one that is not given.
-    pub(crate) fn position(&self, axis: usize) -> f64 {
+    pub fn position(&self, axis: usize) -> f64 {
         self.positions.get(axis).copied().unwrap_or(0.0)
     }
 
     /// Where what carries an axis stands, from the commanded positions.
-    pub(crate) fn ref_from_base(&self, axis: usize) -> Isometry3<f64> {
+    pub fn ref_from_base(&self, axis: usize) -> Isometry3<f64> {
         let chain = self.machine.chain(axis);
         let before = &chain[..chain.len() - 1];
         self.machine.chain_motion(&Ideal, before, self.positions)
@@ -95,7 +95,7 @@ impl<'a> Circumstances<'a> {
 
     /// Displacement of the target when an axis makes a small additional motion: 1 mm along a linear axis,
     /// 1 rad about a rotary one (to first order). Zero if the axis does not move the target.
-    pub(crate) fn unit_motion(&self, axis: usize) -> Vector3<f64> {
+    pub fn unit_motion(&self, axis: usize) -> Vector3<f64> {
         if !self.is_carried_by(axis) {
             return Vector3::zeros();
         }

@@ -173,8 +173,12 @@ impl Disturbance {
             ("instrument", None) if is_of_readings => {
                 "disturbance of the reading instrument".to_owned()
             }
-            (_, Some(axis)) if is_of_readings && with == "time" => {
-                format!("disturbance of the scale of axis {axis}")
+            (_, Some(axis)) if with == "time" => format!("disturbance of the scale of axis {axis}"),
+            (_, Some(axis)) if with == "time and position" => {
+                format!("disturbance of the geometry of axis {axis}")
+            }
+            (_, Some(axis)) if with == "time and direction" => {
+                format!("disturbance of the lost motion of axis {axis}")
             }
             _ if self.is_of_frame() => "disturbance of the frame of the instrument".to_owned(),
             _ => words::effect("disturbance", &self.subject),

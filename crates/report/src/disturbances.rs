@@ -29,7 +29,7 @@ impl DisturbanceView {
 fn argument(of: &Disturbance) -> &'static str {
     match of.correlation_length.unit.as_str() {
         "readings" => "number of the reading",
-        _ if of.varies_with == ["time"] => "time in s",
+        _ if of.varies_with.first().is_some_and(|with| with == "time") => "time in s",
         "deg" => "position in °",
         _ => "position in mm",
     }
@@ -38,7 +38,7 @@ fn argument(of: &Disturbance) -> &'static str {
 /// What wanders of a station, a target or the machine; lost motion and the scale of the air have one coordinate.
 const COORDINATES: [&str; 4] = ["x", "y", "z", "dead path"];
 
-/// The frame in which points are measured.
+/// The frame in which points are measured, and the stage of an axis.
 const OF_FRAME: [&str; 6] = ["x", "y", "z", "about x", "about y", "about z"];
 
 /// An axis that grows.
@@ -48,52 +48,67 @@ fn coordinates(of: &Disturbance) -> &'static [&'static str] {
     let is_of_axis = of.is_of("axis");
     match of.varies_with.as_slice() {
         [with] if with == "time" && is_of_axis => &OF_SCALE,
+        [time, position] if time == "time" && position == "position" => &OF_FRAME,
         _ if of.is_of_frame() => &OF_FRAME,
         _ => &COORDINATES,
     }
 }
 
-/// The course of a disturbance of one argument, a figure with its 95 % band for each coordinate, all to one scale.
+/// The course of a disturbance, a figure with its 95 % band for each coordinate, all to one scale; of the geometry of an axis at each
+/// of the positions where it is given.
 fn smooth(k: usize, curve: &[CurvePoint], x_label: &str, names: &[&str]) -> Vec<Figure> {
-    let count = curve.first().map_or(0, |point| point.value_um.len());
-    if curve.iter().any(|point| point.at.len() != 1) {
+    if curve.iter().any(|point| point.at.is_empty()) {
         return Vec::new();
     }
+    let count = curve.first().map_or(0, |point| point.value_um.len());
     let part = |point: &CurvePoint, c: usize, sign: f64| {
         let value = point.value_um.get(c).copied().unwrap_or(f64::NAN);
         let u = point.u_um.get(c).copied().unwrap_or(0.0);
         [point.at[0], value + 2.0 * sign * u]
     };
-    let of = |c: usize, sign: f64| -> Vec<[f64; 2]> {
-        curve.iter().map(|point| part(point, c, sign)).collect()
-    };
-    let bounds = (0..count).flat_map(|c| of(c, -1.0).into_iter().chain(of(c, 1.0)));
+    let all = |c: usize, sign: f64| curve.iter().map(move |point| part(point, c, sign));
+    let bounds = (0..count).flat_map(|c| all(c, -1.0).chain(all(c, 1.0)));
     let [low, high] = range(bounds.map(|[_, value]| value));
     let [from, to] = range(curve.iter().map(|point| point.at[0]));
-    let named = names.iter().take(count).enumerate();
-    let figure = |(c, name): (usize, &&str)| {
-        let frame = Frame {
-            title: if count == 1 { "" } else { name },
-            x_label,
-            y_label: "disturbance in µm",
-            size: [340.0, 200.0],
+    let mut figures: Vec<Figure> = Vec::new();
+    for own in curve.chunk_by(|a, b| a.at.get(1) == b.at.get(1)) {
+        let of = |c: usize, sign: f64| -> Vec<[f64; 2]> {
+            own.iter().map(|point| part(point, c, sign)).collect()
         };
-        let mut plot = Plot::new(&frame, Scale::new(from, to, 4), Scale::new(low, high, 5));
-        plot.band(0, &of(c, -1.0), &of(c, 1.0));
-        plot.line("l0", &of(c, 0.0));
-        for point in curve {
-            let [at, value] = part(point, c, 0.0);
-            let expanded = part(point, c, 1.0)[1] - value;
-            let digits = decimals(expanded);
-            let text = format!(
-                "{x_label}: {}; {} ± {} µm",
-                fixed(at, 1),
-                signed(value, digits),
-                fixed(expanded, digits)
-            );
-            plot.hover([at, value], &text);
+        let position = own[0].at.get(1);
+        for (c, name) in names.iter().take(count).enumerate() {
+            let title = match position {
+                Some(position) => format!("{name} at {}", fixed(*position, 0)),
+                None if count == 1 => String::new(),
+                None => (*name).to_owned(),
+            };
+            let frame = Frame {
+                title: &title,
+                x_label,
+                y_label: "disturbance in µm",
+                size: [340.0, 200.0],
+            };
+            let mut plot = Plot::new(&frame, Scale::new(from, to, 4), Scale::new(low, high, 5));
+            plot.band(0, &of(c, -1.0), &of(c, 1.0));
+            plot.line("l0", &of(c, 0.0));
+            for point in own {
+                let [at, value] = part(point, c, 0.0);
+                let expanded = part(point, c, 1.0)[1] - value;
+                let digits = decimals(expanded);
+                let text = format!(
+                    "{x_label}: {}; {} ± {} µm",
+                    fixed(at, 1),
+                    signed(value, digits),
+                    fixed(expanded, digits)
+                );
+                plot.hover([at, value], &text);
+            }
+            let number = figures.len() + 1;
+            figures.push(Figure::new(
+                &format!("disturbance-{}-{number}", k + 1),
+                plot.finish(),
+            ));
         }
-        Figure::new(&format!("disturbance-{}-{}", k + 1, c + 1), plot.finish())
-    };
-    named.map(figure).collect()
+    }
+    figures
 }

@@ -99,6 +99,14 @@ impl Dice<'_> {
         }
     }
 
+    /// A warm-up that goes on through a good part of the campaign.
+    pub(super) fn warming(&mut self, [_, end_s]: [f64; 2]) -> Course {
+        Course::WarmUp {
+            time_constant_s: end_s * self.random.between(0.15, 0.6),
+            exponent: 1.0,
+        }
+    }
+
     /// Swings of the air (length scale), of the floor (all tripods), or of both.
     pub(super) fn air(&mut self) -> Hidden {
         let what = self.random.index(3);

@@ -34,12 +34,17 @@ pub const CATALOGUED: &[&str] = &[
 const FIRST: usize = 15;
 
 /// Effects that the catalogue does not hold.
-pub const UNCATALOGUED: [&str; 4] = [
+pub const UNCATALOGUED: [&str; 6] = [
     "air_conditioning",
     "tripod_sway",
     "opposed_warm_ups",
     "cross_talk",
+    "warping_axis",
+    "loosening_drive",
 ];
+
+/// So many of these stand before the later ones of the catalogue.
+const FIRST_UNCATALOGUED: usize = 4;
 
 /// Station drift that is the same in every occupation, about as a machine that drifts in each of them.
 /// Drawn as a `station_drift` of no single station.
@@ -157,6 +162,27 @@ pub fn draw(kind: &Kind, name: &str, seed: u64) -> Option<Hidden> {
             };
             on_station(Some(dice.station()), act, Course::Constant)
         }
+        "warping_axis" => {
+            let axis = dice.linear_axis()?;
+            let bend_um = dice.vector();
+            let act = Act::Warping {
+                guide_um: 2.0 * dice.vector(),
+                bend_um,
+                turn_arcsec: dice.vector(),
+            };
+            Hidden {
+                course: dice.warming(schedule.span_s()),
+                ..on_axis(axis, act)
+            }
+        }
+        "loosening_drive" if kind.both_directions => {
+            let axis = dice.any_axis();
+            let act = Act::LostMotion(2.0 * dice.size());
+            Hidden {
+                course: dice.warming(schedule.span_s()),
+                ..on_axis(axis, act)
+            }
+        }
         _ => return None,
     };
     let name = match own_name {
@@ -169,9 +195,10 @@ pub fn draw(kind: &Kind, name: &str, seed: u64) -> Option<Hidden> {
 /// All names that can be drawn.
 pub fn names() -> impl Iterator<Item = &'static str> {
     let (first, later) = CATALOGUED.split_at(FIRST);
-    let all = first.iter().copied().chain(UNCATALOGUED);
-    all.chain([COMMON_STATION_DRIFT])
-        .chain(later.iter().copied())
+    let (uncatalogued, added) = UNCATALOGUED.split_at(FIRST_UNCATALOGUED);
+    let all = first.iter().chain(uncatalogued);
+    let all = all.chain([&COMMON_STATION_DRIFT]).chain(later);
+    all.chain(added).copied()
 }
 
 /// The same disturbance with a shape slightly other than the ideal one: a jump takes up to ten

@@ -94,12 +94,21 @@ impl Experiment {
         }
         let home_mm = self.setup.homes_mm[target];
         let growth_mm = (home_mm - self.centroid_mm(target)) * disturbance.growth;
-        self.layout.machine.position(
-            &self.setup.errors,
-            self.layout.targets[target].carrier,
-            &positions,
-            home_mm + growth_mm + disturbance.target_mm,
-        ) + disturbance.machine_mm
+        let place = |home_mm: Point3<f64>| {
+            let carrier = self.layout.targets[target].carrier;
+            let errors = &self.setup.errors;
+            self.layout
+                .machine
+                .position(errors, carrier, &positions, home_mm)
+        };
+        let point_mm = place(home_mm + growth_mm + disturbance.target_mm);
+        let turned_mm = match disturbance.turn == Vector3::zeros() {
+            true => Vector3::zeros(),
+            false => disturbance
+                .turn
+                .cross(&(point_mm - place(self.centroid_mm(target)))),
+        };
+        point_mm + disturbance.machine_mm + turned_mm
     }
 
     fn length_mm(&self, visit: &Visit, target: usize, disturbance: &Disturbance) -> f64 {
@@ -137,6 +146,9 @@ impl Experiment {
         let step = &self.schedule.steps[visit.step];
         let axis = step.run.map_or(0, |run| self.layout.sweeps[run].axis);
         let part = |[from, to]: [f64; 2], x: f64| (x - from) / (to - from);
+        let places = step.positions.iter().enumerate();
+        let parts = places.map(|(axis, &position)| part(self.layout.range(axis), position));
+        let parts: Vec<f64> = parts.collect();
         let reading = Reading {
             machine: &self.layout.machine,
             instant: Instant {
@@ -148,7 +160,8 @@ impl Experiment {
             station: visit.station,
             target,
             axis,
-            part: part(self.layout.range(axis), step.positions[axis]),
+            part: parts[axis],
+            parts: &parts,
             direction: visit.direction,
             speed_per_s: visit.speed_per_s,
             positions: &step.positions,

@@ -68,6 +68,16 @@ pub enum Act {
         /// 2 for the ideal form.
         exponent: f64,
     },
+    /// What an axis carries is led otherwise, by where it stands in its range (x, 0 to 1): displaced by `guide x + bend x²` µm and
+    /// turned by `turn x` arc seconds, reference frame.
+    Warping {
+        /// At the end of the range, µm.
+        guide_um: Vector3<f64>,
+        /// At the end of the range, µm.
+        bend_um: Vector3<f64>,
+        /// At the end of the range, about the origin of the stage at home, arc seconds.
+        turn_arcsec: Vector3<f64>,
+    },
     /// Lengths of a station depend on where the axis under test is: a wave over its range.
     CrossTalk {
         /// Amplitude, µm.
@@ -89,6 +99,8 @@ pub(super) struct Reading<'a> {
     pub(super) axis: usize,
     /// Its part of the sweep, 0 to 1.
     pub(super) part: f64,
+    /// Where each axis stands in its range, 0 to 1.
+    pub(super) parts: &'a [f64],
     pub(super) direction: f64,
     pub(super) speed_per_s: f64,
     pub(super) positions: &'a [f64],
@@ -174,6 +186,15 @@ impl Hidden {
                 };
                 sum.target_mm += per_square * (MICROMETRE * part * q.abs().powf(*exponent));
             }
+            Act::Warping {
+                guide_um,
+                bend_um,
+                turn_arcsec,
+            } => {
+                let x = reading.parts[self.axis.unwrap_or(reading.axis)];
+                sum.machine_mm += (guide_um + bend_um * x) * (MICROMETRE * part * x);
+                sum.turn += turn_arcsec * (ARCSEC * part * x);
+            }
             Act::CrossTalk {
                 amplitude_um,
                 waves,
@@ -231,6 +252,13 @@ pub fn scaled(hidden: &Hidden, factor: f64) -> Hidden {
         Act::Tripod(v) | Act::Target(v) | Act::Machine(v) => *v *= factor,
         Act::Bending { per_square, .. } => *per_square *= factor,
         Act::CrossTalk { amplitude_um, .. } => *amplitude_um *= factor,
+        Act::Warping {
+            guide_um,
+            bend_um,
+            turn_arcsec,
+        } => [guide_um, bend_um, turn_arcsec]
+            .into_iter()
+            .for_each(|v| *v *= factor),
         Act::Scale(value)
         | Act::Growth(value)
         | Act::AxisScale(value)

@@ -42,7 +42,7 @@ impl Hidden {
             (Act::Machine(v), "machine_drift") => vector("drift", v, "um"),
             (Act::Machine(v), "warm_up") => vector("growth", v, "um"),
             (Act::Machine(v), "machine_shift") => vector("shift", v, "um"),
-            (Act::LostMotion(b), _) => {
+            (Act::LostMotion(b), "backlash") => {
                 scalar("lost_motion", *b, if rotary { "arcsec" } else { "um" })
             }
             (Act::Late(ms), _) => scalar("offset", *ms, "ms"),

@@ -118,6 +118,13 @@ fn wanders(disturbance: &Disturbance, scene: &Scene) -> Vec<String> {
         (Layer::Machine, Some(_), ["time"]) => {
             "log the temperature of the axis and of its scale: what grows and shrinks with time is mostly warm"
         }
+        (Layer::Machine, Some(_), ["time", "position"]) => {
+            "warm the machine up before measuring, and log the temperature of the bed and of the guides of the axis: squareness, \
+             straightness and tilts that change with time are mostly warm"
+        }
+        (Layer::Machine, Some(_), ["time", "direction"]) => {
+            "look at the drive of the axis: what it loses changes while nut, bearings and clamps warm up or work loose"
+        }
         (.., varies_with) => to_do(varies_with),
     };
     lines.extend(labelled("to do", to_do));
@@ -131,7 +138,7 @@ fn to_do(varies_with: &[&str]) -> &'static str {
     if has("time") || has("cycle") || varies_with.is_empty() {
         "look for what changes like this (a warm-up, air conditioning, neighbours, the instrument's mount, the floor) \
          before the calibration is used"
-    } else if has("direction") {
+    } else if has("direction") || has("direction in time") {
         "look at the drive of the axis and at how the control stops: what differs between the sides of \
          approach is in neither the air nor the floor"
     } else {

@@ -7,7 +7,8 @@
 //! though something that wanders might have done it, and three stacked causes do not beat one disturbance.
 //!
 //! A cause in time that leaves a tenth of what it explains to a disturbance of the same thing does not describe how
-//! that thing moves, and loses its name ([`is_of`]).
+//! that thing moves, and loses its name ([`is_of`]). So does one that explains less than a twentieth of what an axis does whose
+//! geometry or drive changes with time: no basis of low degree is quite what a machine does that warms up.
 
 use trueaxis_effects::Layer;
 
@@ -18,7 +19,8 @@ use crate::engine::wandering::{
     one_by_one, wandering, wandering_of,
 };
 use crate::engine::{
-    Culprit, Culprits, Found, Omnibus, Search, Suspect, find_causes, scan, scans, settle,
+    Culprit, Culprits, Found, Omnibus, SHAPE_ERROR, Search, Suspect, find_causes, scan, scans,
+    settle,
 };
 use crate::selection::{DECISIVE, Hypothesis, Null, Projection, rank};
 
@@ -172,8 +174,13 @@ fn described<D: Wanders>(
     loop {
         let wanders_on = |found: &Found| {
             model.wandering.iter().any(|judged| {
-                judged.evidence > PART * found.statistic
-                    && is_of(&Culprits::of(base, found), judged.disturbance.wanderer)
+                let wanderer = judged.disturbance.wanderer;
+                let is_rest = wanderer.is_of_changing_axis()
+                    && found.suspect.hypothesis.is_of_time()
+                    && found.statistic < SHAPE_ERROR * judged.evidence;
+                let goes_on = judged.evidence > PART * found.statistic
+                    && is_of(&Culprits::of(base, found), wanderer);
+                is_rest || goes_on
             })
         };
         let Some(undescribed) = model.search.found.iter().position(wanders_on) else {
@@ -302,7 +309,8 @@ fn alternated<D: Wanders>(
 fn is_of(culprits: &Culprits, wanderer: Wanderer) -> bool {
     culprits.any(|culprit| match (*culprit, wanderer.who, wanderer.with) {
         (Culprit::Station(own, _), Who::Station(other), With::Occupation)
-        | (Culprit::Target(own, _), Who::Target(other), With::Campaign) => own == other,
+        | (Culprit::Target(own, _), Who::Target(other), With::Campaign)
+        | (Culprit::Axis(own, "axis_expansion"), Who::Axis(other), With::Campaign) => own == other,
         (Culprit::EveryOccupation, Who::Machine | Who::Tripods | Who::Frame, _) => true,
         (Culprit::Everything(layer, _), Who::Air, _) => layer == Layer::Instrument,
         _ => false,

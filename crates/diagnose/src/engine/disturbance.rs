@@ -22,12 +22,17 @@
 //! | target | three translations | time | 17 | x | x |
 //! | target | three translations | position of the axis that runs | 7 | x | x |
 //! | axis | lost motion, without its mean | position, by side of approach | 8 | x | x |
+//! | axis | lost motion, without its mean | time, by side of approach | 8 | x | x |
+//! | axis | its scale: the middle of its travel, and one end against it | time | 16 | x | x |
+//! | axis | its geometry ([`mod@super::coordinate`]) | time, and position in a law of low degree | 8 | x | x |
 //!
-//! An axis over position is none: the base model's free poses take it. Without targets on the bed the machine in time
+//! An axis over position is none: the base model's free poses take it, and so they take the mean of its geometry. Without targets on the bed the machine in time
 //! and all tripods (the frame without its rotations) in time are one thing under two names, and always given as two.
 
-use trueaxis_effects::{Effect, Layer, Scene, Subject, effect};
+use trueaxis_effects::{Layer, Scene, Subject};
 use trueaxis_leastsquares::{half_waves, matern_roots};
+
+use crate::engine::coordinate::{Coordinate, geometry, parameters, scale};
 
 /// What wanders, and with what.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,6 +65,10 @@ pub(crate) enum With {
     Position,
     /// Position of an axis, opposite from the two sides of approach.
     Sides,
+    /// Time, opposite from the two sides of approach of an axis.
+    SidesInTime,
+    /// Time, by the position of an axis.
+    TimeAndPosition,
 }
 
 /// A disturbance with its size.
@@ -121,8 +130,14 @@ impl Wanderer {
         }
     }
 
-    /// Effects of the catalogue that move it as it moves, with the number of the parameter.
-    pub(crate) fn coordinates(self) -> Vec<(&'static Effect, usize)> {
+    /// Whether the geometry or the drive of an axis changes with time.
+    pub(crate) fn is_of_changing_axis(self) -> bool {
+        let is_of_axis = matches!(self.who, Who::Axis(_));
+        is_of_axis && self.with != With::Sides
+    }
+
+    /// What moves as it moves.
+    pub(crate) fn coordinates(self, scene: &Scene) -> Vec<Coordinate> {
         let moved: &[(&str, usize)] = match (self.who, self.with) {
             (Who::Machine, _) => &[("machine_shift", 3)],
             (Who::Tripods, _) => &[("station_jump", 3)],
@@ -132,14 +147,14 @@ impl Wanderer {
             (Who::Station(_), With::Position) => &[("dead_path_jump", 1)],
             (Who::Station(_), _) => &[("station_jump", 3), ("dead_path_jump", 1)],
             (Who::Target(_), _) => &[("target_slip", 3)],
+            (Who::Axis(axis), With::TimeAndPosition) => {
+                return geometry(scene.machine.axes()[axis].kind());
+            }
+            (Who::Axis(_), With::Campaign) => return scale().collect(),
             (Who::Axis(_), _) => &[("backlash", 1)],
         };
-        let known = moved
-            .iter()
-            .filter_map(|(id, count)| Some((effect(id)?, *count)));
-        known
-            .flat_map(|(effect, count)| (0..count).map(move |k| (effect, k)))
-            .collect()
+        let all = moved.iter().flat_map(|&(id, count)| parameters(id, count));
+        all.collect()
     }
 
     /// Half waves of each coordinate, beside the constant.
@@ -148,7 +163,7 @@ impl Wanderer {
             (Who::Target(_), With::Position) => 6,
             (_, With::Occupation | With::Position) => 12,
             (_, With::Campaign) => 16,
-            (_, With::Sides) => 8,
+            (_, With::Sides | With::SidesInTime | With::TimeAndPosition) => 8,
         }
     }
 
@@ -163,7 +178,7 @@ impl Wanderer {
         };
         let place = match self.with {
             With::Occupation => (here.station, here.occupation),
-            With::Campaign => (0, here.campaign),
+            With::Campaign | With::SidesInTime | With::TimeAndPosition => (0, here.campaign),
             With::Position => (here.axis?, here.travelled),
             With::Sides => (0, here.travelled),
         };
@@ -180,15 +195,15 @@ impl Wanderer {
     }
 
     /// `S_k^½` for each column.
-    pub(crate) fn roots_of_spectrum(self, all: &[Here], length: f64) -> Vec<f64> {
-        let times = self.courses(all).len() * self.coordinates().len();
+    pub(crate) fn roots_of_spectrum(self, scene: &Scene, all: &[Here], length: f64) -> Vec<f64> {
+        let times = self.courses(all).len() * self.coordinates(scene).len();
         let roots = matern_roots(length, self.waves());
         roots[usize::from(!self.has_mean())..].repeat(times)
     }
 
-    /// The mean of lost motion is lost motion: an effect of the catalogue.
+    /// The mean of lost motion is lost motion: an effect of the catalogue. That of what an axis does is its error curve.
     pub(crate) fn has_mean(self) -> bool {
-        self.with != With::Sides
+        !matches!(self.who, Who::Axis(_))
     }
 
     /// `1` where it has a mean, `cos(πx), ...`.
@@ -198,14 +213,15 @@ impl Wanderer {
     }
 
     /// What a unit of each coefficient does, course after course, coordinate after coordinate, for readings of `ROWS` rows
-    /// each: `unit` is what one of a coordinate (effect, parameter) does to those of a reading.
+    /// each: `unit` is what one of each coordinate does to those of a reading.
     pub(crate) fn columns<const ROWS: usize>(
         self,
+        scene: &Scene,
         all: &[Here],
-        unit: impl Fn(usize, &[(&'static Effect, usize)]) -> Vec<[f64; ROWS]>,
+        unit: impl Fn(usize, &[Coordinate]) -> Vec<[f64; ROWS]>,
     ) -> Vec<Vec<f64>> {
         let courses = self.courses(all);
-        let coordinates = self.coordinates();
+        let coordinates = self.coordinates(scene);
         let width = self.basis(0.0).count();
         let count = courses.len() * coordinates.len() * width;
         let mut columns = vec![vec![0.0; ROWS * all.len()]; count];
@@ -234,8 +250,13 @@ impl Wanderer {
 
 impl Disturbance {
     /// Columns of coefficients for a unit of the standard deviation that each has beforehand.
-    pub(crate) fn scaled(&self, all: &[Here], mut columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-        let roots = self.wanderer.roots_of_spectrum(all, self.length);
+    pub(crate) fn scaled(
+        &self,
+        scene: &Scene,
+        all: &[Here],
+        mut columns: Vec<Vec<f64>>,
+    ) -> Vec<Vec<f64>> {
+        let roots = self.wanderer.roots_of_spectrum(scene, all, self.length);
         for (column, root) in columns.iter_mut().zip(roots) {
             column.iter_mut().for_each(|x| *x *= self.width * root);
         }

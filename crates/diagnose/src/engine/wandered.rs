@@ -1,10 +1,13 @@
 //! Report of what wanders: how much, how fast, and its curve, with units.
 
+use std::f64::consts::FRAC_PI_2;
+
 use trueaxis_effects::{Level, Subject};
 use trueaxis_kinematics::AxisKind;
 
 use crate::engine::Posterior;
-use crate::engine::disturbance::{Here, Wanderer, With};
+use crate::engine::coordinate::{self, Coordinate, Shown, laws};
+use crate::engine::disturbance::{Here, Wanderer, Who, With};
 use crate::engine::wandering::{JudgedDisturbance, Wanders, units_um, whitened_columns};
 use crate::selection::{combined, dot};
 use crate::{CorrelationLength, CurvePoint, Disturbance, Gain, Wandering};
@@ -63,6 +66,8 @@ pub(crate) fn whose(level: Level, wanderer: Wanderer, course: Option<usize>) -> 
             With::Occupation | With::Campaign => &["time"],
             With::Position => &["position"],
             With::Sides => &["position", "direction"],
+            With::SidesInTime => &["time", "direction"],
+            With::TimeAndPosition => &["time", "position"],
         },
     }
 }
@@ -74,14 +79,17 @@ fn range<D: Wanders>(
     wanderer: Wanderer,
     course: Option<usize>,
 ) -> ([f64; 2], &'static str) {
-    if let Some(axis) = course.or(wanderer.subject().axis) {
-        let ends = base.ends(axis);
-        return match base.scene().machine.axes()[axis].kind() {
-            AxisKind::Linear => (ends, "mm"),
-            AxisKind::Rotary => (ends.map(f64::to_degrees), "deg"),
+    if matches!(wanderer.with, With::Position | With::Sides)
+        && let Some(axis) = course.or(wanderer.subject().axis)
+    {
+        let in_unit = of_axis(base, axis);
+        let unit = match base.scene().machine.axes()[axis].kind() {
+            AxisKind::Linear => "mm",
+            AxisKind::Rotary => "deg",
         };
+        return (base.ends(axis).map(in_unit), unit);
     }
-    if wanderer.with == With::Campaign {
+    if wanderer.with != With::Occupation {
         return (span_s(all.iter()), "s");
     }
     let courses = wanderer.courses(all).into_iter();
@@ -89,6 +97,15 @@ fn range<D: Wanders>(
         courses.map(|station| span_s(all.iter().filter(|here| here.station == station)));
     let longest = occupations.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
     (longest.unwrap_or_default(), "s")
+}
+
+/// Positions of an axis in mm or deg.
+fn of_axis<D: Wanders>(base: &D, axis: usize) -> impl Fn(f64) -> f64 + use<D> {
+    let kind = base.scene().machine.axes()[axis].kind();
+    move |position: f64| match kind {
+        AxisKind::Linear => position,
+        AxisKind::Rotary => position.to_degrees(),
+    }
 }
 
 /// First and last of some readings, s.
@@ -103,8 +120,11 @@ struct Coefficients<'h> {
     all: &'h [Here],
     wanderer: Wanderer,
     posterior: Posterior,
-    /// Standard deviation beforehand of the coefficients, µm of displacement.
-    roots_um: Vec<f64>,
+    coordinates: Vec<Coordinate>,
+    /// What a unit of each coordinate displaces, µm.
+    units_um: Vec<f64>,
+    /// Standard deviation beforehand of the coefficients.
+    roots: Vec<f64>,
     rms_um: f64,
 }
 
@@ -116,23 +136,20 @@ impl<'h> Coefficients<'h> {
         judged: &JudgedDisturbance,
     ) -> Self {
         let own = &judged.disturbance;
-        let in_mm = own.scaled(all, base.columns_mm(adjusted, own.wanderer));
+        let scene = base.scene();
+        let in_mm = own.scaled(scene, all, base.columns_mm(adjusted, own.wanderer));
         let columns = whitened_columns(base, adjusted, own);
         let posterior = Posterior::new(D::projection(adjusted), &columns);
         let rows = in_mm.first().map_or(0, Vec::len);
         let sums_mm = combined(rows, &in_mm, &posterior.mean);
-        let units_um = units_um(base, adjusted, own.wanderer);
-        let width = own.wanderer.basis(0.0).count();
-        let roots = own.wanderer.roots_of_spectrum(all, own.length);
-        let roots_um = roots.iter().enumerate().map(|(k, root)| {
-            let unit_um = units_um[k / width % units_um.len()];
-            root * own.width * unit_um
-        });
+        let roots = own.wanderer.roots_of_spectrum(scene, all, own.length);
         Self {
             all,
             wanderer: own.wanderer,
             posterior,
-            roots_um: roots_um.collect(),
+            coordinates: own.wanderer.coordinates(scene),
+            units_um: units_um(base, adjusted, own.wanderer),
+            roots: roots.iter().map(|root| root * own.width).collect(),
             rms_um: 1e3 * (dot(&sums_mm, &sums_mm) / sums_mm.len() as f64).sqrt(),
         }
     }
@@ -143,10 +160,13 @@ impl<'h> Coefficients<'h> {
         let of_one = self.posterior.mean.len() / courses.len().max(1);
         let size = |k: usize| {
             let own = k * of_one..(k + 1) * of_one;
-            let varies = own.filter(|i| i % self.wanderer.basis(0.0).count() > 0);
-            varies
-                .map(|i| (self.posterior.mean[i] * self.roots_um[i]).powi(2))
-                .sum::<f64>()
+            let width = self.wanderer.basis(0.0).count();
+            let varies = own.filter(|i| i % width > 0);
+            let displaced = varies.map(|i| {
+                let unit_um = self.units_um[i / width % self.units_um.len()];
+                self.posterior.mean[i] * self.roots[i] * unit_um
+            });
+            displaced.map(|um| um * um).sum::<f64>()
         };
         let is_of_axes = self.wanderer.with == With::Position;
         let largest = (0..courses.len()).max_by(|&a, &b| size(a).total_cmp(&size(b)));
@@ -174,36 +194,63 @@ impl<'h> Coefficients<'h> {
                 }
                 _ => range(base, self.all, self.wanderer, axis).0,
             };
-            for point in 0..points {
-                let x = point as f64 / (points - 1) as f64;
-                let (value_um, u_um) = self.at(course, x);
-                curve.push(CurvePoint {
-                    at: ends[0] + x * (ends[1] - ends[0]),
-                    value_um,
-                    u_um,
-                });
+            for (position, laws) in self.places(base) {
+                let shown = coordinate::shown(&self.coordinates, &self.units_um, &laws);
+                for point in 0..points {
+                    let x = point as f64 / (points - 1) as f64;
+                    let (value_um, u_um) = self.at(course, x, &shown);
+                    curve.push(CurvePoint {
+                        at: ends[0] + x * (ends[1] - ends[0]),
+                        position,
+                        value_um,
+                        u_um,
+                    });
+                }
             }
         }
         curve
     }
 
-    /// All coordinates at a place of a course, 0 to 1, and their standard uncertainties, µm: from their mean over the
+    /// Where the geometry of an axis is shown, mm or deg, with the laws there: at both ends of its travel, or a quarter of a turn
+    /// apart.
+    fn places<D: Wanders>(&self, base: &D) -> Vec<(Option<f64>, [f64; 3])> {
+        let (Who::Axis(axis), With::TimeAndPosition) = (self.wanderer.who, self.wanderer.with)
+        else {
+            return vec![(None, [1.0; 3])];
+        };
+        let kind = base.scene().machine.axes()[axis].kind();
+        let [low, high] = base.ends(axis);
+        let far = match kind {
+            AxisKind::Linear => high,
+            AxisKind::Rotary => high.min(low + FRAC_PI_2),
+        };
+        let place = |(position, travelled)| {
+            let shown = of_axis(base, axis)(position);
+            (Some(shown), laws(kind, position, travelled))
+        };
+        [(low, 0.0), (far, 1.0)].map(place).into()
+    }
+
+    /// All that is shown at a place of a course, 0 to 1, and its standard uncertainties, µm: from the mean over the
     /// course, since the base model takes that for the place of a station or a target.
-    fn at(&self, course: usize, x: f64) -> (Vec<f64>, Vec<f64>) {
+    fn at(&self, course: usize, x: f64, shown: &[Shown]) -> (Vec<f64>, Vec<f64>) {
         let mut basis: Vec<f64> = self.wanderer.basis(x).collect();
         if self.wanderer.has_mean() {
             basis[0] = 0.0;
         }
         let width = basis.len();
-        let coordinates = self.wanderer.coordinates().len();
-        let of_coordinate = |c: usize| {
-            let first = (course * coordinates + c) * width;
-            let row: Vec<f64> = (0..width)
-                .map(|k| basis[k] * self.roots_um[first + k])
-                .collect();
-            let (value, variance) = self.posterior.of(first, &row);
+        let of_course = self.coordinates.len() * width;
+        let value = |own: &Shown| {
+            let mut row = vec![0.0; of_course];
+            for &(c, um) in own {
+                for (k, wave) in basis.iter().enumerate() {
+                    let own = c * width + k;
+                    row[own] = wave * um * self.roots[course * of_course + own];
+                }
+            }
+            let (value, variance) = self.posterior.of(course * of_course, &row);
             (value, variance.sqrt())
         };
-        (0..coordinates).map(of_coordinate).unzip()
+        shown.iter().map(value).unzip()
     }
 }

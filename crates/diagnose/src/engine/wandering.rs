@@ -4,9 +4,10 @@
 //! over subjects; its p-value is that of all disturbances together (Bonferroni).
 
 use rayon::prelude::*;
-use trueaxis_effects::{Effect, Subject};
+use trueaxis_effects::{Displaced, Subject};
 
 use crate::Error;
+use crate::engine::coordinate::Coordinate;
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, With};
 use crate::engine::smooth::{SMOOTH_LEVEL, Smooth, beside_one_of, correlation_lengths};
 use crate::engine::{Measured, Suspect};
@@ -37,13 +38,13 @@ pub(crate) trait Wanders: Measured + Clone + Send {
     /// What a unit of each coefficient does to the rows, mm.
     fn columns_mm(&self, model: &Self::Model, wanderer: Wanderer) -> Vec<Vec<f64>>;
 
-    /// The squares of what a unit of a coordinate moves at each reading, mm².
-    fn moved_squares(
+    /// What a unit of each of some coordinates of a subject moves at each reading.
+    fn moved(
         &self,
         model: &Self::Model,
-        coordinate: (&'static Effect, usize),
+        coordinates: &[Coordinate],
         subject: &Subject,
-    ) -> Vec<f64>;
+    ) -> Vec<Vec<Displaced>>;
 
     fn whiten(&self, model: &Self::Model, column: &mut Vec<f64>);
 
@@ -70,17 +71,26 @@ pub(crate) trait Wanders: Measured + Clone + Send {
 /// How far a unit of each coordinate moves things, rms over the readings that it concerns, µm. Lost motion is twice what it
 /// moves.
 pub(crate) fn units_um<D: Wanders>(data: &D, model: &D::Model, wanderer: Wanderer) -> Vec<f64> {
-    let subject = wanderer.subject();
+    let coordinates = wanderer.coordinates(data.scene());
+    let moved = data.moved(model, &coordinates, &wanderer.subject());
     let times = match wanderer.with {
-        With::Sides => 2.0,
+        With::Sides | With::SidesInTime => 2.0,
         _ => 1.0,
     };
-    let unit_um = |coordinate| {
-        let mut squares = data.moved_squares(model, coordinate, &subject);
-        squares.retain(|square| *square > 0.0);
-        times * 1e3 * (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+    let unit_um = |c: usize| {
+        let squares = moved.iter().map(|moved: &Vec<Displaced>| {
+            let Displaced {
+                point_mm,
+                station_mm,
+                length_mm,
+            } = moved[c];
+            (point_mm - station_mm).norm_squared() + length_mm.powi(2)
+        });
+        let seen = squares.filter(|square| *square > 0.0);
+        let (sum, count) = seen.fold((0.0, 0_usize), |(sum, n), square| (sum + square, n + 1));
+        times * 1e3 * (sum / count.max(1) as f64).sqrt()
     };
-    wanderer.coordinates().into_iter().map(unit_um).collect()
+    (0..coordinates.len()).map(unit_um).collect()
 }
 
 /// Whitens columns over the rows.
@@ -96,7 +106,8 @@ pub(crate) fn whitened_columns<D: Wanders>(
     model: &D::Model,
     own: &Disturbance,
 ) -> Vec<Vec<f64>> {
-    let columns = own.scaled(&data.here(), data.columns_mm(model, own.wanderer));
+    let columns = data.columns_mm(model, own.wanderer);
+    let columns = own.scaled(data.scene(), &data.here(), columns);
     whitened(data, model, columns)
 }
 
@@ -110,7 +121,7 @@ pub(crate) fn wandered_mm<D: Wanders>(
     let all = at.here();
     let mut sum_mm = vec![0.0; D::ROWS * all.len()];
     for own in data.disturbances() {
-        let there = own.scaled(&all, at.columns_mm(model, own.wanderer));
+        let there = own.scaled(at.scene(), &all, at.columns_mm(model, own.wanderer));
         let whitened = match elsewhere {
             None => whitened(data, model, there.clone()),
             Some(_) => whitened_columns(data, model, own),
@@ -306,7 +317,7 @@ fn judge<D: Wanders>(
     let all = base.here();
     let spectra = lengths
         .iter()
-        .map(|length| wanderer.roots_of_spectrum(&all, *length));
+        .map(|length| wanderer.roots_of_spectrum(base.scene(), &all, *length));
     let spectra: Vec<Vec<f64>> = spectra.collect();
     let smooth = Smooth::new(D::projection(adjusted), &columns, &spectra)?;
     Some(JudgedDisturbance {

@@ -35,7 +35,7 @@ struct CorrelationLengthFile {
 
 #[derive(Serialize, JsonSchema)]
 pub(super) struct CurvePointFile {
-    at: [f64; 1],
+    at: Vec<f64>,
     value_um: Vec<f64>,
     u_um: Vec<f64>,
 }
@@ -84,7 +84,11 @@ impl<'a> DisturbanceFile<'a> {
 pub(super) fn point(point: &CurvePoint) -> CurvePointFile {
     let rounded = |values: &[f64]| values.iter().map(|v| round(*v, 4)).collect();
     CurvePointFile {
-        at: [round(point.at, 3)],
+        at: [point.at]
+            .into_iter()
+            .chain(point.position)
+            .map(|x| round(x, 3))
+            .collect(),
         value_um: rounded(&point.value_um),
         u_um: rounded(&point.u_um),
     }

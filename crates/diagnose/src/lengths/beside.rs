@@ -2,11 +2,13 @@
 
 use rayon::prelude::*;
 use trueaxis_campaign::Direction;
-use trueaxis_effects::{Effect, Subject};
+use trueaxis_effects::{Displaced, Subject};
+use trueaxis_kinematics::{Axis, AxisKind};
 use trueaxis_multilateration::{Noise, Settings, Solution, Whitened, solve_from};
-use trueaxis_poses::LengthCircumstances as Reading;
+use trueaxis_poses::{LengthCircumstances as Reading, Observation};
 
 use crate::Error;
+use crate::engine::coordinate::{self, Coordinate};
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, Who, With};
 use crate::engine::{Suspect, Wanders};
 use crate::lengths::adjusted::Adjusted;
@@ -34,11 +36,20 @@ impl Wanders for Base<'_> {
             all.push((Who::Target(target), With::Campaign));
             all.push((Who::Target(target), With::Position));
         }
-        let back = |r: &&Reading| r.direction == Direction::Backward;
-        let mut both: Vec<usize> = self.readings.iter().filter(back).map(|r| r.axis).collect();
-        both.sort_unstable();
-        both.dedup();
-        all.extend(both.into_iter().map(|axis| (Who::Axis(axis), With::Sides)));
+        let runs = |axis: usize, is_meant: &dyn Fn(&Reading) -> bool| {
+            let mut own = self.readings.iter().filter(|r| r.axis == axis);
+            own.any(is_meant)
+        };
+        for (axis, kind) in scene.machine.axes().iter().map(Axis::kind).enumerate() {
+            if runs(axis, &|r| r.direction == Direction::Backward) {
+                all.push((Who::Axis(axis), With::Sides));
+                all.push((Who::Axis(axis), With::SidesInTime));
+            }
+            if runs(axis, &|_| true) {
+                all.extend((kind == AxisKind::Linear).then_some((Who::Axis(axis), With::Campaign)));
+                all.push((Who::Axis(axis), With::TimeAndPosition));
+            }
+        }
         let wanderer = |(who, with)| Wanderer { who, with };
         all.into_iter().map(wanderer).collect()
     }
@@ -68,7 +79,7 @@ impl Wanders for Base<'_> {
     fn stops(&self, with: With) -> usize {
         let stops = self.network.visits.len();
         match with {
-            With::Campaign => stops,
+            With::Campaign | With::SidesInTime | With::TimeAndPosition => stops,
             _ => stops / self.scene.stations.len().max(1),
         }
     }
@@ -81,18 +92,17 @@ impl Wanders for Base<'_> {
         self.columns_of(&self.here(), &model.solution, wanderer)
     }
 
-    fn moved_squares(
+    fn moved(
         &self,
         model: &Adjusted,
-        (effect, k): (&'static Effect, usize),
+        coordinates: &[Coordinate],
         subject: &Subject,
-    ) -> Vec<f64> {
-        let squares = self.readings.iter().map(|reading| {
+    ) -> Vec<Vec<Displaced>> {
+        let moved = self.readings.iter().map(|reading| {
             let at = self.observation(reading, &model.solution).at;
-            let moved = effect.form(subject, k, f64::NEG_INFINITY, &at);
-            (moved.point_mm - moved.station_mm).norm_squared() + moved.length_mm.powi(2)
+            coordinate::moved(coordinates, subject, &at, travelled(self, reading))
         });
-        squares.collect()
+        moved.collect()
     }
 
     fn whiten(&self, model: &Adjusted, column: &mut Vec<f64>) {
@@ -130,13 +140,10 @@ impl Base<'_> {
     /// What a unit of each coefficient does to the lengths, mm.
     fn columns_of(&self, all: &[Here], solution: &Solution, wanderer: Wanderer) -> Vec<Vec<f64>> {
         let subject = wanderer.subject();
-        wanderer.columns(all, |i, coordinates: &[(&Effect, usize)]| {
-            let observation = self.observation(&self.readings[i], solution);
-            let along = |&(effect, k): &(&Effect, usize)| {
-                let moved = effect.form(&subject, k, f64::NEG_INFINITY, &observation.at);
-                [moved.along(&observation.beam)]
-            };
-            coordinates.iter().map(along).collect()
+        wanderer.columns(&self.scene, all, |i, coordinates| {
+            let Observation { at, beam } = self.observation(&self.readings[i], solution);
+            let moved = coordinate::moved(coordinates, &subject, &at, all[i].travelled);
+            moved.iter().map(|moved| [moved.along(&beam)]).collect()
         })
     }
 
@@ -148,7 +155,11 @@ impl Base<'_> {
             false => self.here(),
         };
         for own in &self.disturbances {
-            let mut columns = own.scaled(&all, self.columns_of(&all, solution, own.wanderer));
+            let mut columns = own.scaled(
+                &self.scene,
+                &all,
+                self.columns_of(&all, solution, own.wanderer),
+            );
             let each = columns.par_iter_mut();
             each.for_each(|column| whitened.whiten(column));
             projection = projection.beside(&columns).0;

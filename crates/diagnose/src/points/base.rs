@@ -10,7 +10,7 @@
 
 use nalgebra::{Isometry3, Matrix3, Matrix3x6, Point3, SymmetricEigen, Translation3, Vector3};
 use trueaxis_campaign::{Campaign, Points};
-use trueaxis_effects::{Circumstances, Displaced, Effect, ResolvedEffect, Scene, Subject};
+use trueaxis_effects::{Circumstances, Displaced, ResolvedEffect, Scene};
 use trueaxis_kinematics::{Ideal, best_fit};
 
 use crate::engine::disturbance::Disturbance;
@@ -163,7 +163,7 @@ impl<'a> Base<'a> {
     }
 
     /// The circumstances of a point.
-    fn at(&self, i: usize) -> Circumstances<'_> {
+    pub(crate) fn at(&self, i: usize) -> Circumstances<'_> {
         let reading = &self.readings.all[i];
         let [point_mm, centroid_mm] = self.places_mm[i];
         Circumstances {
@@ -188,7 +188,7 @@ impl<'a> Base<'a> {
     }
 
     /// What a displacement does to measured coordinates: a frame that moves takes the points the other way.
-    fn shown_mm(&self, by: &Displaced) -> Vector3<f64> {
+    pub(crate) fn shown_mm(&self, by: &Displaced) -> Vector3<f64> {
         self.instrument_from_datum.rotation * (by.point_mm - by.station_mm)
     }
 
@@ -205,17 +205,6 @@ impl<'a> Base<'a> {
             }
         }
         columns
-    }
-
-    /// What one unit of a parameter does to the coordinates of the `i`-th point, along the directions of the rows, mm.
-    pub(crate) fn moved_mm(
-        &self,
-        i: usize,
-        (effect, parameter): (&Effect, usize),
-        subject: &Subject,
-    ) -> [f64; 3] {
-        let moved = effect.form(subject, parameter, f64::NEG_INFINITY, &self.at(i));
-        self.in_rows(self.shown_mm(&moved)).into()
     }
 
     /// What effects do to the coordinates of the `i`-th point, in the instrument's frame, mm.

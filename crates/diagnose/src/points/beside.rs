@@ -1,8 +1,10 @@
 //! The points with what wanders in their covariance.
 
-use trueaxis_effects::{Effect, Subject};
+use trueaxis_effects::{Displaced, Subject};
+use trueaxis_kinematics::AxisKind;
 
 use crate::Error;
+use crate::engine::coordinate::{self, Coordinate};
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, Who, With};
 use crate::engine::{Measured, Suspect, Wanders};
 use crate::points::base::Base;
@@ -27,9 +29,18 @@ impl Wanders for Base<'_> {
             let mut readings = self.readings.all.iter();
             readings.any(|r| r.axis == Some(axis) && r.side * side > 0.0)
         };
-        let axes = 0..self.scene.machine.axes().len();
-        let both = axes.filter(|&axis| come_from(axis, 1.0) && come_from(axis, -1.0));
-        all.extend(both.map(|axis| (Who::Axis(axis), With::Sides)));
+        for (axis, own) in self.scene.machine.axes().iter().enumerate() {
+            let sides = [1.0, -1.0].map(|side| come_from(axis, side));
+            if sides == [true; 2] {
+                all.push((Who::Axis(axis), With::Sides));
+                all.push((Who::Axis(axis), With::SidesInTime));
+            }
+            if sides.contains(&true) {
+                let is_linear = own.kind() == AxisKind::Linear;
+                all.extend(is_linear.then_some((Who::Axis(axis), With::Campaign)));
+                all.push((Who::Axis(axis), With::TimeAndPosition));
+            }
+        }
         let wanderer = |(who, with)| Wanderer { who, with };
         all.into_iter().map(wanderer).collect()
     }
@@ -69,17 +80,15 @@ impl Wanders for Base<'_> {
         self.columns_of_unit_mm(wanderer)
     }
 
-    fn moved_squares(
+    fn moved(
         &self,
         _: &Model,
-        coordinate: (&'static Effect, usize),
+        coordinates: &[Coordinate],
         subject: &Subject,
-    ) -> Vec<f64> {
-        let squares = (0..self.readings.all.len()).map(|i| {
-            let moved = self.moved_mm(i, coordinate, subject);
-            moved.iter().map(|x| x * x).sum()
-        });
-        squares.collect()
+    ) -> Vec<Vec<Displaced>> {
+        let moved = travelled(self).into_iter().enumerate();
+        let moved = moved.map(|(i, x)| coordinate::moved(coordinates, subject, &self.at(i), x));
+        moved.collect()
     }
 
     fn whiten(&self, model: &Model, column: &mut Vec<f64>) {
@@ -124,9 +133,11 @@ impl Base<'_> {
     /// What a unit of each coefficient does to the coordinates, mm.
     pub(crate) fn columns_of_unit_mm(&self, wanderer: Wanderer) -> Vec<Vec<f64>> {
         let subject = wanderer.subject();
-        wanderer.columns(&self.here(), |i, coordinates| {
-            let moved = coordinates.iter().map(|&c| self.moved_mm(i, c, &subject));
-            moved.collect()
+        let all = self.here();
+        wanderer.columns(self.scene, &all, |i, coordinates| {
+            let moved = coordinate::moved(coordinates, &subject, &self.at(i), all[i].travelled);
+            let in_rows = |moved| self.in_rows(self.shown_mm(moved)).into();
+            moved.iter().map(in_rows).collect()
         })
     }
 }

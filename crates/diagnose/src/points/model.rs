@@ -52,7 +52,7 @@ impl Model {
         };
         for own in &base.disturbances {
             let columns_mm = base.columns_of_unit_mm(own.wanderer);
-            let columns = model.whitened(base, &own.scaled(&base.here(), columns_mm));
+            let columns = model.whitened(base, &own.scaled(base.scene, &base.here(), columns_mm));
             model.bare = model.bare.beside(&columns).0;
         }
         let columns = model.whitened(base, causes_mm);

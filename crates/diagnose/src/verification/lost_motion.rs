@@ -132,6 +132,7 @@ pub(crate) fn curve(
         sum += &there;
         let (value, u) = told(&there);
         CurvePoint {
+            position: None,
             at,
             value_um: vec![value],
             u_um: vec![u],

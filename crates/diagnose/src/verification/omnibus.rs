@@ -5,11 +5,12 @@
 //! | `time` | progress, and sines and cosines of 1 to 6 waves over the table |
 //! | `position` | cosines of ½ to 3 waves over the travel, for each line (ball bar: 2 to 7 waves per turn) |
 //! | `direction` | the direction, alone and times the columns of position |
+//! | `direction in time` | the direction times cosines of ½ to 3 waves over the table |
 //! | `cycle` | each cycle, alone and times the position |
 //!
 //! What the model absorbs of these columns counts neither as drop nor as rank.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use trueaxis_campaign::VerificationKind;
 use trueaxis_files::told_period;
@@ -50,6 +51,11 @@ pub(crate) fn families(
     let of_direction = std::iter::once(direction.clone())
         .chain(of_direction)
         .collect();
+    let of_direction_in_time = (1..=WAVES).map(|k| {
+        let wave = over(&|t| (PI * k as f64 * t).cos());
+        times(&wave, &direction)
+    });
+    let of_direction_in_time = of_direction_in_time.collect();
     let cycles = indicators(&cycles(comparison));
     let tilted = cycles.iter().map(|cycle| times(cycle, &position[0]));
     let of_cycle = cycles.iter().cloned().chain(tilted).collect();
@@ -61,6 +67,7 @@ pub(crate) fn families(
         family("time", time),
         family("position", by_line),
         family("direction", of_direction),
+        family("direction in time", of_direction_in_time),
         family("cycle", of_cycle),
     ]
 }

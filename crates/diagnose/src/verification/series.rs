@@ -179,7 +179,9 @@ fn unexplained(
     let note = match period {
         Some(period) if repeats_with_cycle(problem, after) => {
             // No air conditioning keeps step with the machine.
-            varies_with.retain(|with| !["time", "position", "direction"].contains(with));
+            varies_with.retain(|with| {
+                !["time", "position", "direction", "direction in time"].contains(with)
+            });
             varies_with.extend(["position", "direction"]);
             let others = match varies_with.contains(&"cycle") {
                 true => "; it varies with cycle, too",

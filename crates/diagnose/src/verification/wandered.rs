@@ -87,7 +87,12 @@ pub(crate) fn curve(
         };
         let coordinates = (0..posterior.mean.len()).step_by(row.len());
         let (value_um, u_um) = coordinates.map(of_coordinate).unzip();
-        CurvePoint { at, value_um, u_um }
+        CurvePoint {
+            at,
+            position: None,
+            value_um,
+            u_um,
+        }
     };
     shown.map(point).collect()
 }

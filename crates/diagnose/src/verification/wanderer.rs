@@ -13,6 +13,7 @@
 //! | axis | its displacement along itself | position | 1 | lines against a calibration; else the mean curve takes it |
 //! | machine | the ball, towards the centre | angle of the bar | 1 | ball bars |
 //! | axis | its lost motion | position, by side of approach | 1 | lines of rotary axes from both sides, beside the cause; of linear axes the cause alone |
+//! | axis | its lost motion | time, by side of approach | 1 | lines from both sides |
 //!
 //! A bar that goes round once does not tell time from angle: then both are given.
 
@@ -80,11 +81,13 @@ pub(crate) enum Wanderer {
     Position,
     /// The lost motion of the measured axis over its position.
     Sides,
+    /// The lost motion of the measured axis with time.
+    SidesInTime,
 }
 
 /// All that a comparison may show beside its base model.
 pub(crate) fn wanderers(comparison: &Comparison<'_>, calibrated: bool) -> Vec<Wanderer> {
-    use Wanderer::{Instrument, Machine, Position, Scale, Sides};
+    use Wanderer::{Instrument, Machine, Position, Scale, Sides, SidesInTime};
     let Some(axis) = comparison.line() else {
         return vec![Position, Instrument, Machine];
     };
@@ -94,7 +97,10 @@ pub(crate) fn wanderers(comparison: &Comparison<'_>, calibrated: bool) -> Vec<Wa
     // A turn has 360 degrees at any temperature.
     all.extend((moves && !is_rotary).then_some(Scale));
     all.extend((moves && calibrated).then_some(Position));
-    all.extend((moves && is_rotary && comes_from_both_sides(comparison, axis)).then_some(Sides));
+    if moves && comes_from_both_sides(comparison, axis) {
+        all.extend(is_rotary.then_some(Sides));
+        all.push(SidesInTime);
+    }
     all
 }
 
@@ -117,6 +123,7 @@ impl Wanderer {
                 Self::Instrument | Self::Machine | Self::Scale => &["time"],
                 Self::Position => &["position"],
                 Self::Sides => &["position", "direction"],
+                Self::SidesInTime => &["time", "direction"],
             },
         }
     }
@@ -134,19 +141,24 @@ impl Wanderer {
         matches!(self, Self::Instrument | Self::Machine | Self::Scale)
     }
 
+    /// Whether its argument is time.
+    fn goes_with_time(self) -> bool {
+        self.is_of_time() || self == Self::SidesInTime
+    }
+
     /// Whether a cause gives a name to its course.
     pub(crate) fn is_course_of(self, cause: &Hypothesis) -> bool {
         match self {
             Self::Instrument | Self::Machine => cause.is_of_time(),
             Self::Scale => cause.effect.id == "axis_expansion",
-            Self::Position | Self::Sides => false,
+            Self::Position | Self::Sides | Self::SidesInTime => false,
         }
     }
 
     /// The course of an arrival, 0 to 1.
     fn argument(self, comparison: &Comparison<'_>, row: usize) -> f64 {
         let arrival = &comparison.arrivals[row];
-        match self.is_of_time() {
+        match self.goes_with_time() {
             true => arrival.progress,
             false if comparison.line().is_some() => comparison.travelled(arrival),
             false => 0.5 + comparison.around[row] / TAU,
@@ -159,8 +171,12 @@ impl Wanderer {
         u32::try_from(waves).unwrap_or(u32::MAX)
     }
 
-    /// Different arguments: over a line as many as it has positions.
+    /// Different arguments: over a line as many as it has positions; of lost motion with time as many as there are passes, since it
+    /// takes two to show it.
     fn stops(self, comparison: &Comparison<'_>) -> usize {
+        if self == Self::SidesInTime {
+            return count(&comparison.passes);
+        }
         match self.is_of_time() || comparison.line().is_none() {
             true => comparison.arrivals.len(),
             false => count(&places(comparison)),
@@ -175,7 +191,7 @@ impl Wanderer {
             Self::Machine => comparison.points[row].along.as_slice().to_vec(),
             // Nobody knows the point from which it grows.
             Self::Scale => vec![1.0, comparison.travelled(arrival) - 0.5],
-            Self::Sides => vec![0.5 * arrival.sides[comparison.axis()]],
+            Self::Sides | Self::SidesInTime => vec![0.5 * arrival.sides[comparison.axis()]],
         }
     }
 
@@ -279,7 +295,7 @@ impl Wanderer {
 
     /// Range of its argument, and the unit: s, readings, mm or deg.
     pub(crate) fn range(self, comparison: &Comparison<'_>) -> ([f64; 2], &'static str) {
-        if self.is_of_time() {
+        if self.goes_with_time() {
             let times = comparison.arrivals.iter().map(|a| a.time_s);
             let first = times.clone().fold(f64::INFINITY, f64::min);
             let last = times.fold(f64::NEG_INFINITY, f64::max);

@@ -169,16 +169,33 @@ fn moved(hidden: &Hidden, at: &Moment<'_>, p: &Point3<f64>, travel: f64) -> Vect
         "axis_expansion" if hidden.axis == at.axis => {
             along(at.axis) * (20e-6 * hidden.size * at.q * at.tau)
         }
-        "backlash" if hidden.axis == at.axis => {
-            if travel < 10.0 {
-                let turned = -0.5 * 2.0 * ARCSEC * hidden.size * at.side;
-                Vector3::z().cross(&p.coords) * turned
-            } else {
-                along(at.axis) * (-0.5 * 2.0 * um * at.side)
-            }
+        // Of no catalogue: an axis that warms up is led otherwise, a drive works loose.
+        "warming_axis" if hidden.axis == at.axis => {
+            let x = warm(hidden, at.tau) * at.q / travel;
+            let turned = hidden.turn.cross(&(p - at.centroid)) * (4.0 * ARCSEC * hidden.size);
+            (hidden.vector * 6.0 * um + turned) * x
         }
+        "loosening_drive" if hidden.axis == at.axis => {
+            let part = 3.0 * warm(hidden, at.tau);
+            behind(at, travel, p, part * hidden.size)
+        }
+        "backlash" if hidden.axis == at.axis => behind(at, travel, p, hidden.size),
         _ => Vector3::zeros(),
     }
+}
+
+/// Half of a lost motion of twice `size`, µm or arc seconds.
+fn behind(at: &Moment<'_>, travel: f64, p: &Point3<f64>, size: f64) -> Vector3<f64> {
+    if travel < 10.0 {
+        Vector3::z().cross(&p.coords) * (-ARCSEC * size * at.side)
+    } else {
+        Vector3::ith(at.axis, -1e-3 * size * at.side)
+    }
+}
+
+/// A warm-up that goes on through a good part of the campaign.
+fn warm(hidden: &Hidden, tau: f64) -> f64 {
+    1.0 - (-tau / (0.15 + 0.5 * hidden.at)).exp()
 }
 
 /// By what the instrument has moved and turned by then, mm and rad, in its own frame.

@@ -15,6 +15,7 @@ mod feeds;
 mod instants;
 mod iso_run;
 mod lines;
+mod loosening;
 mod machines;
 mod made_points;
 mod odd;

@@ -38,7 +38,8 @@ struct Count {
 impl Count {
     fn add(&mut self, found: &Diagnosis, hidden: &Hidden, plan: &Plan) {
         let is_it = |e: &ResolvedEffect| {
-            e.effect.id == hidden.id
+            let is_mean = hidden.id == "loosening_drive" && e.effect.id == "backlash";
+            (e.effect.id == hidden.id || is_mean)
                 && e.subject
                     .target
                     .is_none_or(|target| target == hidden.target)
@@ -389,14 +390,21 @@ fn unlike_directions_make_few_alarms() {
     }
 }
 
-/// A hall that breathes (and the frame of the instrument with it), a holder that sways, a stage that is wavy: of no
-/// catalogue, and what wanders is said. Of a target nothing is seen that goes across the plane of the three, and along the line
+/// A hall that breathes (and the frame of the instrument with it), a holder that sways, a stage that is wavy, an axis that warms
+/// up, a drive that works loose: of no catalogue, and what wanders is said. Of a target nothing is seen that goes across the plane of the three, and along the line
 /// to another target it may as well be that one: fewer are found, and fewer with the right target.
 #[test]
 #[ignore = "study: 120 campaigns of points with what no effect is"]
 fn what_is_in_no_catalogue_is_not_named() {
     let from = std::env::var("SEED").map_or(1000, |s| s.parse().unwrap());
-    for id in ["breathing", "swaying_target", "wavy_stage"] {
+    let ids = [
+        "breathing",
+        "swaying_target",
+        "wavy_stage",
+        "warming_axis",
+        "loosening_drive",
+    ];
+    for id in ids {
         for plan in [Plan::THREE_AXES, Plan::ROTARY] {
             let mut count = Count::default();
             let (mut whose, mut gained) = (0, 0);
@@ -407,16 +415,18 @@ fn what_is_in_no_catalogue_is_not_named() {
                 count.add(&found, &hidden, &plan);
                 let is_it = |w: &Wandering| match id {
                     "breathing" => w.layer == Layer::Setup && w.subject.target.is_none(),
+                    "warming_axis" | "loosening_drive" => w.subject.axis == Some(hidden.axis),
                     _ => w.subject.target == Some(hidden.target),
                 };
-                let with = if id == "wavy_stage" {
-                    "position"
-                } else {
-                    "time"
+                let with: &[&str] = match id {
+                    "wavy_stage" => &["position"],
+                    "warming_axis" => &["time", "position"],
+                    "loosening_drive" => &["time", "direction"],
+                    _ => &["time"],
                 };
                 let is_right = found.disturbances.first().is_some_and(|d| {
                     let mut all = d.rivals.iter().chain([&d.whose]);
-                    all.any(|w| is_it(w) && w.varies_with == [with])
+                    all.any(|w| is_it(w) && w.varies_with == with)
                 });
                 whose += usize::from(is_right);
                 let gain = found.levels[0].gain;
@@ -427,7 +437,9 @@ fn what_is_in_no_catalogue_is_not_named() {
                 plan.is_rotary
             );
             report(&line);
-            assert!(count.wrong <= 1 && count.unknown >= 17, "{line}");
+            // The mean of what is lost is a lost motion.
+            let is_told = count.unknown >= 17 || id == "loosening_drive";
+            assert!(count.wrong <= 1 && is_told, "{line}");
             let least = if id == "wavy_stage" { 13 } else { 17 };
             assert!(whose >= least, "{line}");
         }

@@ -13,10 +13,17 @@ fn every_effect_can_be_drawn_where_it_leaves_a_trace() {
             .filter(|name| draw(kind, name, 1).is_none())
             .collect()
     };
-    assert_eq!(none(&standing), ["timestamp_offset", "backlash"]);
+    let without_sides = ["timestamp_offset", "backlash", "loosening_drive"];
+    assert_eq!(none(&standing), without_sides);
     assert_eq!(
         none(&turning),
-        ["timestamp_offset", "axis_expansion", "backlash"]
+        [
+            "timestamp_offset",
+            "axis_expansion",
+            "backlash",
+            "warping_axis",
+            "loosening_drive"
+        ]
     );
     assert_eq!(none(&standing.forward_and_backward()), ["timestamp_offset"]);
     assert_eq!(none(&standing.on_the_fly()), [""; 0]);
