@@ -86,7 +86,7 @@ fn study(seeds: std::ops::Range<u64>) -> [usize; 3] {
     [told, inside, all]
 }
 
-/// Of eight tables all are told (of 240 in the study all were).
+/// Of eight tables all are told (in the study 236 of 240 were).
 #[test]
 fn lost_motion_that_changes_with_time_is_told() {
     assert_eq!(study(0..2), [8, 8, 8]);
