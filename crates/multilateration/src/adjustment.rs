@@ -7,19 +7,20 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use trueaxis_kinematics::centroid;
+use nalgebra::{Isometry3, Point3, Vector3};
 use trueaxis_leastsquares::{BlockBatch, Lanes, Reduced, zeros};
 
-use crate::Network;
 use crate::batches::Batch;
+use crate::beams::take_points;
 use crate::bodies::Deformations;
 use crate::datum::Datum;
 use crate::known::{Columns, KnownRow};
+use crate::lane_vectors::{add, at, times};
 use crate::linearise::fill;
 use crate::memory::{Gauge, Memories, Memory};
 use crate::state::{PER_STATION, State, zero_column};
 use crate::visit_weights::{by_visit, fill_weights};
+use crate::{Bodies, Network};
 
 /// A network as an adjustment model.
 pub(crate) struct GroupAdjustment<'a> {
@@ -113,14 +114,16 @@ impl<'a> GroupAdjustment<'a> {
             tie,
             ..
         } = memory;
-        beams.fill(batch, state.common(), batch.own(&state.points));
-        let tie = match batch.body.zip(self.network.bodies.as_deref()) {
-            Some((body, bodies)) => {
+        take_points(batch, batch.own(&state.points), &mut beams.points);
+        beams.fill(batch, state.common());
+        let tie = match self.body_of(batch) {
+            Some((bodies, body)) => {
                 let Deformations {
                     of_bodies, first, ..
                 } = &self.deformations;
+                tie.take(&state.poses[batch.groups.clone()]);
                 let deformations = (first[body], &of_bodies[body][..]);
-                tie.fill(batch, (state, &beams.points), bodies, deformations);
+                tie.fill((batch, bodies), &beams.points, deformations);
                 Some(&*tie)
             }
             None => None,
@@ -128,6 +131,12 @@ impl<'a> GroupAdjustment<'a> {
         let datum = (gauge == Gauge::Datum).then_some((&self.datum, &self.network.nominal_mm[..]));
         let sizes = (self.network.stations.len(), self.shared());
         fill(batch, tie, datum, beams, sizes, equations);
+    }
+
+    /// The body that the points of a batch are tied to.
+    #[inline(always)]
+    fn body_of(&self, batch: &Batch) -> Option<(&Bodies, usize)> {
+        self.network.bodies.as_deref().zip(batch.body)
     }
 
     /// Adds what is known of shared unknowns.
@@ -188,22 +197,21 @@ impl<'a> GroupAdjustment<'a> {
             equations.weigh(first, count, weights);
         }
         let x = equations.correction(eliminated);
-        let of_lanes = moved.points.chunks_exact_mut(batch.points);
-        for (lane, (group, moved_points)) in batch.groups.clone().zip(of_lanes).enumerate() {
-            let points = &state.points[self.network.groups[group].clone()];
-            let vector =
-                |first: usize| Vector3::from_fn(|axis, _| x[first + axis].0[lane] * factor);
-            match (batch.body, self.network.bodies.as_deref()) {
-                (Some(body), Some(bodies)) => {
-                    let pose = moved_pose(&state.poses[group], points, [vector(0), vector(3)]);
-                    bodies.of_groups[group].put(&pose, &shapes_mm[body], moved_points);
-                    moved.poses[lane] = pose;
+        let by = |k: usize| times(at(x, k), Lanes::splat(factor));
+        let (tie, points) = (&mut memory.tie, &mut memory.beams.points);
+        match self.body_of(batch) {
+            Some((bodies, body)) => {
+                tie.move_by([by(0), by(1)]);
+                tie.put((batch, bodies), &shapes_mm[body], points);
+                for (lane, pose) in moved.poses.iter_mut().enumerate() {
+                    *pose = tie.pose(lane);
                 }
-                _ => {
-                    for (k, (point, moved)) in points.iter().zip(moved_points).enumerate() {
-                        *moved = point + vector(3 * k);
-                    }
-                }
+            }
+            None => (0..batch.points).for_each(|k| add(&mut points[3 * k..], by(k))),
+        }
+        for (lane, group) in moved.points.chunks_exact_mut(batch.points).enumerate() {
+            for (point, place) in group.iter_mut().zip(points.chunks_exact(3)) {
+                *point = Point3::new(place[0].0[lane], place[1].0[lane], place[2].0[lane]);
             }
         }
     }
@@ -213,15 +221,4 @@ impl<'a> GroupAdjustment<'a> {
 pub(crate) fn deformations(network: &Network) -> Deformations {
     let behind = PER_STATION * network.stations.len() + network.interruptions.len();
     Deformations::new(network.bodies.as_deref(), behind)
-}
-
-/// A pose moved by a shift and a turn about the centroid of its points.
-fn moved_pose(
-    pose: &Isometry3<f64>,
-    points: &[Point3<f64>],
-    [shift, turn]: [Vector3<f64>; 2],
-) -> Isometry3<f64> {
-    let centre = centroid(points).coords;
-    let turn = UnitQuaternion::from_scaled_axis(turn);
-    Translation3::from(shift + centre) * turn * Translation3::from(-centre) * pose
 }

@@ -9,13 +9,14 @@ use std::sync::Arc;
 
 use trueaxis_leastsquares::{LANES, Lanes};
 
-use crate::Error;
+use crate::lane_vectors::{LaneVector, splat};
 use crate::network::{Network, VisitsByGroup};
 use crate::noise::factor_len;
 use crate::pieces::{in_parallel, pieces};
 use crate::reflectors::contrast;
 use crate::slots::{Layout, SlotVisit, Slots};
 use crate::state::POSE;
+use crate::{Bodies, Error};
 
 /// Up to eight groups.
 #[derive(Debug)]
@@ -25,6 +26,8 @@ pub(crate) struct Batch {
     pub(crate) points: usize,
     /// The body that the points are tied to.
     pub(crate) body: Option<usize>,
+    /// Whether all groups see the places of their body in one order.
+    are_alike: bool,
     /// Whether they stand on the bed.
     pub(crate) is_bed: bool,
     /// The first point of the group in each lane; lanes without a group repeat the last one.
@@ -103,6 +106,10 @@ fn piece(
             groups: groups.clone(),
             points,
             body: network.body_of(groups.start),
+            are_alike: network.bodies.as_deref().is_none_or(|bodies| {
+                let of_groups = &bodies.of_groups[groups.clone()];
+                of_groups.iter().all(|g| g.places == of_groups[0].places)
+            }),
             is_bed: network.bed == Some(groups.start),
             first_points: std::array::from_fn(|lane| first + points * lane.min(last)),
             layout,
@@ -228,6 +235,24 @@ impl Batch {
             seen += usize::from(last.replace(visit.station) != Some(visit.station));
         }
         seen
+    }
+
+    /// What belongs to the place that a point of each group has on its body.
+    #[inline(always)]
+    pub(crate) fn of_places<'v>(
+        &self,
+        bodies: &Bodies,
+        point: usize,
+        vector: impl Fn(usize) -> &'v [f64],
+    ) -> LaneVector {
+        let of_groups = &bodies.of_groups[self.groups.clone()];
+        let of = |lane: usize| vector(of_groups[lane.min(of_groups.len() - 1)].places[point]);
+        if self.are_alike {
+            let all = of(0);
+            return splat(all[0], all[1], all[2]);
+        }
+        let part = |axis: usize| Lanes::from_fn(|lane| of(lane)[axis]);
+        [part(0), part(1), part(2)]
     }
 
     /// The points of the groups of the batch.

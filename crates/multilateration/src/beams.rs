@@ -28,15 +28,14 @@ pub(crate) struct Beam {
 }
 
 impl Beams {
-    /// Takes the beams to the points of a batch ([`Batch::own`]).
+    /// Takes the beams to the points.
     #[inline(always)]
-    pub(crate) fn fill(&mut self, batch: &Batch, common: Common<'_>, points: &[Point3<f64>]) {
+    pub(crate) fn fill(&mut self, batch: &Batch, common: Common<'_>) {
         let Common {
             stations,
             dead_paths_mm,
             contrasts_mm,
         } = common;
-        take_points(batch, points, &mut self.points);
         self.of_slots.resize(batch.slots(), Beam::default());
         for visit in &batch.layout.visits {
             let station = stations[visit.station];

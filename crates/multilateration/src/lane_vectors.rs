@@ -28,6 +28,20 @@ pub(crate) fn times([a, b, c]: LaneVector, factor: Lanes) -> LaneVector {
     [a * factor, b * factor, c * factor]
 }
 
+/// `sum + factor x`.
+#[inline(always)]
+pub(crate) fn plus_times(
+    [a, b, c]: LaneVector,
+    factor: Lanes,
+    [x, y, z]: LaneVector,
+) -> LaneVector {
+    [
+        factor.mul_add(x, a),
+        factor.mul_add(y, b),
+        factor.mul_add(z, c),
+    ]
+}
+
 #[inline(always)]
 pub(crate) fn dot([a, b, c]: LaneVector, [x, y, z]: LaneVector) -> Lanes {
     c.mul_add(z, b.mul_add(y, a * x))

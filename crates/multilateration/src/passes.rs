@@ -144,7 +144,7 @@ impl Adjustment for GroupAdjustment<'_> {
                                 shapes_mm,
                                 (memory, &mut moved),
                             );
-                            memory.beams.fill(batch, common, moved.points);
+                            memory.beams.fill(batch, common);
                             squares += memory.beams.squares(batch, of_batch);
                         }
                         squares.sum()
