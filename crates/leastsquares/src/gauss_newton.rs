@@ -8,8 +8,9 @@ use crate::reduced::Reduced;
 
 /// A model that linearises itself.
 ///
-/// An iteration is two passes over the blocks: one that linearises and [reduces](Self::reduce) them,
-/// and when the shared unknowns are known, one that [moves](Self::step) each with what the first has left.
+/// A pass over the blocks linearises and [reduces](Self::reduce) them; when the shared unknowns are known, the next one
+/// [moves](Self::step) each with what this one has left and, but for the last step, [reduces](Self::step_and_reduce) it
+/// again where it then is.
 /// Weights may depend on the state: each iteration has those of its own start, and the step that it leads to is
 /// judged with them. The datum decides only among results that fit as well: they are [settled](Self::settle) on
 /// it when they are found, and its [constraints](Self::reduce_with_datum) are needed for the covariance alone.
@@ -43,11 +44,23 @@ pub trait Adjustment {
     /// that system, whether or not it can be reduced there.
     fn step(
         &self,
-        from: (&Self::State, &Self::Linearised),
+        from: (&Self::State, &mut Self::Linearised),
         s: &[f64],
         factor: f64,
         next: &mut Self::State,
     ) -> f64;
+
+    /// A whole [step](Self::step), and the [reduced](Self::reduce) system where it leads. What the linearisation at
+    /// `state` has left is replaced.
+    ///
+    /// # Errors
+    /// As [`Adjustment::reduce`], of the system alone.
+    fn step_and_reduce(
+        &self,
+        from: (&Self::State, &mut Self::Linearised),
+        s: &[f64],
+        next: &mut Self::State,
+    ) -> (f64, Result<Reduced, Error>);
 
     /// For each constraint of the datum a motion that changes no observation: its part in the shared
     /// unknowns.
@@ -189,8 +202,8 @@ pub fn adjust<M: Adjustment>(
     let mut iterations = 0;
     // Lengths of the corrections since a step was shortened.
     let mut whole_steps: Vec<f64> = Vec::new();
+    let mut system = model.reduce(&state, &mut linearised)?;
     loop {
-        let system = model.reduce(&state, &mut linearised)?;
         let motions = model.free_motions(&state);
         let shortest = system.shortest_correction(&motions)?;
         let correction = shortest.decrease.max(0.0).sqrt();
@@ -202,7 +215,7 @@ pub fn adjust<M: Adjustment>(
         iterations += 1;
 
         let tolerance = settings.correction_tol;
-        let from = (&state, &linearised);
+        let from = (&state, &mut linearised);
         let termination = if rate * correction <= tolerance {
             squares = model.step(from, &shortest.shared, 1.0, &mut next);
             std::mem::swap(&mut state, &mut next);
@@ -211,8 +224,8 @@ pub fn adjust<M: Adjustment>(
                 tolerance,
             }
         } else {
-            match descend(model, from, &shortest, squares, &mut next) {
-                Some((squares_there, factor)) => {
+            match descend(model, from, &shortest, squares, &mut next)? {
+                Some((squares_there, factor, system_there)) => {
                     std::mem::swap(&mut state, &mut next);
                     squares = squares_there;
                     match factor < 1.0 {
@@ -220,6 +233,7 @@ pub fn adjust<M: Adjustment>(
                         false => whole_steps.push(correction),
                     }
                     if iterations < settings.max_iterations {
+                        system = system_there?;
                         continue;
                     }
                     Termination::MaxIterations { correction }
@@ -244,24 +258,34 @@ pub fn adjust<M: Adjustment>(
     }
 }
 
-/// Takes to `next` the longest of the steps 1, 1/2, 1/4, … that does not raise the cost; the cost
-/// there, and the step.
+/// The sum of squares after a step, the part of the correction that it is, and the reduced system there.
+type Descent = (f64, f64, Result<Reduced, Error>);
+
+/// Takes to `next` the longest of the steps 1, 1/2, 1/4, … that does not raise the cost.
 fn descend<M: Adjustment>(
     model: &M,
-    from: (&M::State, &M::Linearised),
+    (state, linearised): (&M::State, &mut M::Linearised),
     shortest: &Correction,
     squares: f64,
     next: &mut M::State,
-) -> Option<(f64, f64)> {
+) -> Result<Option<Descent>, Error> {
     let limit = squares * (1.0 + COST_ROUNDING) + f64::MIN_POSITIVE;
-    let mut factor = 1.0;
-    for _ in 0..=MAX_HALVINGS {
-        let squares_there = model.step(from, &shortest.shared, factor, next);
-        // Without a finite cost this is false, too.
-        if squares_there <= limit {
-            return Some((squares_there, factor));
-        }
-        factor *= 0.5;
+    // Without a finite cost this is false, too.
+    let is_lower = |squares_there: f64| squares_there <= limit;
+    let s = &shortest.shared;
+    let (squares_there, system) = model.step_and_reduce((state, linearised), s, next);
+    if is_lower(squares_there) {
+        return Ok(Some((squares_there, 1.0, system)));
     }
-    None
+    model.reduce(state, linearised)?;
+    let mut factor = 1.0;
+    for _ in 0..MAX_HALVINGS {
+        factor *= 0.5;
+        let squares_there = model.step((state, linearised), s, factor, next);
+        if is_lower(squares_there) {
+            let system = model.reduce(next, linearised);
+            return Ok(Some((squares_there, factor, system)));
+        }
+    }
+    Ok(None)
 }

@@ -43,7 +43,7 @@
 //! let solved = sums.reduced().solve(|| vec![vec![-1.0, -1.0]])?;
 //! assert!((solved.unknowns[0] - 0.5).abs() < 1e-12);
 //! assert!((solved.unknowns[1] - 2.0).abs() < 1e-12);
-//! let mut kept = Vec::new();
+//! let mut kept = vec![Lanes::ZERO; BlockBatch::kept_len(1)];
 //! masses.keep(&mut kept);
 //! masses.take_off(&solved.unknowns[..2]);
 //! assert!((masses.correction(&kept)[0].0[1] - 2.0).abs() < 1e-12);

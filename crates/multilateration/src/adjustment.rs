@@ -7,15 +7,14 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Isometry3, Point3, Vector3};
-use trueaxis_leastsquares::{BlockBatch, Lanes, Reduced, zeros};
+use nalgebra::Vector3;
+use trueaxis_leastsquares::zeros;
 
 use crate::batches::Batch;
 use crate::beams::take_points;
 use crate::bodies::Deformations;
 use crate::datum::Datum;
 use crate::known::{Columns, KnownRow};
-use crate::lane_vectors::{add, at, times};
 use crate::linearise::fill;
 use crate::memory::{Gauge, Memories, Memory};
 use crate::state::{PER_STATION, State, zero_column};
@@ -30,35 +29,6 @@ pub(crate) struct GroupAdjustment<'a> {
     columns: Columns,
     pub(crate) batches: Arc<Vec<Batch>>,
     pub(crate) memories: Memories,
-}
-
-/// What the linearisation of a piece leaves to the step that follows, batch after batch.
-#[derive(Debug, Default)]
-pub(crate) struct Linearised {
-    /// As [`fill_weights`] makes them.
-    pub(crate) weights: Vec<Lanes>,
-    /// As [`BlockBatch::keep`](trueaxis_leastsquares::BlockBatch::keep) appends it.
-    pub(crate) eliminated: Vec<Lanes>,
-}
-
-impl Linearised {
-    /// The same memory with nothing in it, but room for what some batches leave.
-    pub(crate) fn cleared(&mut self, batches: &[Batch]) -> &mut Self {
-        self.weights.clear();
-        self.weights
-            .reserve(batches.iter().map(Batch::weights).sum());
-        let kept = batches.iter().map(|b| BlockBatch::kept_len(b.unknowns()));
-        self.eliminated.clear();
-        self.eliminated.reserve(kept.sum());
-        self
-    }
-}
-
-/// The points and poses of the groups of some batches, to be moved.
-pub(crate) struct Moved<'a> {
-    pub(crate) points: &'a mut [Point3<f64>],
-    /// Empty in a network without bodies.
-    pub(crate) poses: &'a mut [Isometry3<f64>],
 }
 
 impl<'a> GroupAdjustment<'a> {
@@ -89,7 +59,49 @@ impl<'a> GroupAdjustment<'a> {
     #[inline(always)]
     pub(crate) fn fill(&self, state: &State, b: usize, gauge: Gauge, memory: &mut Memory) {
         let batch = &self.batches[b];
-        self.fill_rows(state, b, gauge, memory);
+        self.take(state, batch, memory);
+        memory.beams.fill(batch, state.common());
+        self.fill_rows(batch, gauge, memory);
+        self.weigh(batch, memory);
+    }
+
+    /// Takes the points of a batch, and what they are tied to.
+    #[inline(always)]
+    pub(crate) fn take(&self, state: &State, batch: &Batch, memory: &mut Memory) {
+        take_points(batch, batch.own(&state.points), &mut memory.beams.points);
+        if batch.body.is_some() {
+            memory.tie.take(&state.poses[batch.groups.clone()]);
+        }
+    }
+
+    /// Makes the equations of a batch whose beams are there, without weights.
+    #[inline(always)]
+    pub(crate) fn fill_rows(&self, batch: &Batch, gauge: Gauge, memory: &mut Memory) {
+        let Memory {
+            beams,
+            equations,
+            tie,
+            ..
+        } = memory;
+        let tie = match self.body_of(batch) {
+            Some((bodies, body)) => {
+                let Deformations {
+                    of_bodies, first, ..
+                } = &self.deformations;
+                let deformations = (first[body], &of_bodies[body][..]);
+                tie.fill((batch, bodies), &beams.points, deformations);
+                Some(&*tie)
+            }
+            None => None,
+        };
+        let datum = (gauge == Gauge::Datum).then_some((&self.datum, &self.network.nominal_mm[..]));
+        let sizes = (self.network.stations.len(), self.shared());
+        fill(batch, tie, datum, beams, sizes, equations);
+    }
+
+    /// Makes the weights of a batch, and multiplies its equations by them.
+    #[inline(always)]
+    pub(crate) fn weigh(&self, batch: &Batch, memory: &mut Memory) {
         let Memory {
             beams,
             weights,
@@ -104,46 +116,10 @@ impl<'a> GroupAdjustment<'a> {
         }
     }
 
-    /// Makes the equations of batch `b` without weights.
-    #[inline(always)]
-    fn fill_rows(&self, state: &State, b: usize, gauge: Gauge, memory: &mut Memory) {
-        let batch = &self.batches[b];
-        let Memory {
-            beams,
-            equations,
-            tie,
-            ..
-        } = memory;
-        take_points(batch, batch.own(&state.points), &mut beams.points);
-        beams.fill(batch, state.common());
-        let tie = match self.body_of(batch) {
-            Some((bodies, body)) => {
-                let Deformations {
-                    of_bodies, first, ..
-                } = &self.deformations;
-                tie.take(&state.poses[batch.groups.clone()]);
-                let deformations = (first[body], &of_bodies[body][..]);
-                tie.fill((batch, bodies), &beams.points, deformations);
-                Some(&*tie)
-            }
-            None => None,
-        };
-        let datum = (gauge == Gauge::Datum).then_some((&self.datum, &self.network.nominal_mm[..]));
-        let sizes = (self.network.stations.len(), self.shared());
-        fill(batch, tie, datum, beams, sizes, equations);
-    }
-
     /// The body that the points of a batch are tied to.
     #[inline(always)]
-    fn body_of(&self, batch: &Batch) -> Option<(&Bodies, usize)> {
+    pub(crate) fn body_of(&self, batch: &Batch) -> Option<(&Bodies, usize)> {
         self.network.bodies.as_deref().zip(batch.body)
-    }
-
-    /// Adds what is known of shared unknowns.
-    pub(crate) fn observe_known(&self, state: &State, reduced: &mut Reduced) {
-        for row in self.known_rows(state) {
-            reduced.observe(&row.columns, row.residual);
-        }
     }
 
     /// Moves stations, dead paths and shapes by `factor` times the correction `s`.
@@ -174,44 +150,6 @@ impl<'a> GroupAdjustment<'a> {
                 for (place, point) in shape_mm.iter_mut().enumerate() {
                     *point += deformation.fixed_rows::<3>(3 * place) * amount;
                 }
-            }
-        }
-    }
-
-    /// Moves the points of batch `b` by `factor` times what follows from the correction `s`, with the weights and
-    /// the eliminated equations of its linearisation; the bodies have the new shapes.
-    #[inline(always)]
-    pub(crate) fn move_groups(
-        &self,
-        (state, b): (&State, usize),
-        (weights, eliminated): (&[Lanes], &[Lanes]),
-        (s, factor): (&[f64], f64),
-        shapes_mm: &[Vec<Point3<f64>>],
-        (memory, moved): (&mut Memory, &mut Moved<'_>),
-    ) {
-        let batch = &self.batches[b];
-        self.fill_rows(state, b, Gauge::Free, memory);
-        let equations = &mut memory.equations;
-        equations.take_off(s);
-        for (first, count, weights) in by_visit(batch, weights) {
-            equations.weigh(first, count, weights);
-        }
-        let x = equations.correction(eliminated);
-        let by = |k: usize| times(at(x, k), Lanes::splat(factor));
-        let (tie, points) = (&mut memory.tie, &mut memory.beams.points);
-        match self.body_of(batch) {
-            Some((bodies, body)) => {
-                tie.move_by([by(0), by(1)]);
-                tie.put((batch, bodies), &shapes_mm[body], points);
-                for (lane, pose) in moved.poses.iter_mut().enumerate() {
-                    *pose = tie.pose(lane);
-                }
-            }
-            None => (0..batch.points).for_each(|k| add(&mut points[3 * k..], by(k))),
-        }
-        for (lane, group) in moved.points.chunks_exact_mut(batch.points).enumerate() {
-            for (point, place) in group.iter_mut().zip(points.chunks_exact(3)) {
-                *point = Point3::new(place[0].0[lane], place[1].0[lane], place[2].0[lane]);
             }
         }
     }

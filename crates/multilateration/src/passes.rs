@@ -6,15 +6,52 @@
 
 use std::ops::Range;
 
+use nalgebra::{Isometry3, Point3};
 use trueaxis_leastsquares::{
     Adjustment, BlockBatch, Error as LeastSquaresError, Factors, Lanes, Reduced,
 };
 
-use crate::adjustment::{GroupAdjustment, Linearised, Moved};
+use crate::adjustment::GroupAdjustment;
 use crate::batches::{Batch, groups_of};
+use crate::known::KnownRow;
+use crate::lane_vectors::{add, at, times};
 use crate::memory::{Gauge, Memory};
 use crate::pieces::{in_parallel, pieces, split_mut};
 use crate::state::{Common, DATUM, State};
+use crate::visit_weights::by_visit;
+
+/// What the linearisation of a piece leaves to the step that follows, batch after batch.
+#[derive(Debug, Default)]
+pub(crate) struct Linearised {
+    /// As [`fill_weights`](crate::visit_weights::fill_weights) makes them.
+    weights: Vec<Lanes>,
+    /// As [`BlockBatch::keep`] writes it.
+    eliminated: Vec<Lanes>,
+}
+
+/// A pass: batches are moved by a step, if there is one, and then linearised, if there is a gauge.
+#[derive(Clone, Copy)]
+struct Pass<'a> {
+    /// Where it begins.
+    state: &'a State,
+    /// The correction of the shared unknowns, and the part of it that is made.
+    step: Option<(&'a [f64], f64)>,
+    /// Where it ends.
+    common: Common<'a>,
+    shapes_mm: &'a [Vec<Point3<f64>>],
+    gauge: Option<Gauge>,
+}
+
+/// What a pass takes from some batches and leaves of them; empty where it does not.
+#[derive(Default)]
+struct Part<'a> {
+    /// Where the groups are after a step.
+    points: &'a mut [Point3<f64>],
+    poses: &'a mut [Isometry3<f64>],
+    weights: &'a mut [Lanes],
+    eliminated: &'a mut [Lanes],
+    factors: Option<&'a mut Factors>,
+}
 
 impl Adjustment for GroupAdjustment<'_> {
     type State = State;
@@ -27,22 +64,11 @@ impl Adjustment for GroupAdjustment<'_> {
     ) -> Result<Reduced, LeastSquaresError> {
         let pieces = pieces(self.batches.len());
         linearised.resize_with(pieces.len(), Linearised::default);
-        let parts = linearised.iter_mut().zip(pieces);
-        let mut reduced = reduced(
-            self,
-            state,
-            Gauge::Free,
-            parts
-                .map(|(left, piece)| left.cleared(&self.batches[piece]))
-                .collect(),
-            #[inline(always)]
-            |_, memory, piece: &mut &mut Linearised| {
-                piece.weights.extend_from_slice(&memory.weights);
-                memory.equations.keep(&mut piece.eliminated);
-            },
-        )?;
-        self.observe_known(state, &mut reduced);
-        Ok(reduced)
+        for (left, piece) in linearised.iter_mut().zip(pieces) {
+            left.fit(&self.batches[piece]);
+        }
+        let parts = linearised.iter_mut().map(Linearised::part);
+        self.reduced_at(state, Gauge::Free, parts.collect())
     }
 
     fn reduce_with_datum(&self, state: &State) -> Result<(Reduced, Factors), LeastSquaresError> {
@@ -52,109 +78,34 @@ impl Adjustment for GroupAdjustment<'_> {
             Factors::with_room(self.shared() + DATUM, unknowns)
         };
         let of_pieces = pieces(batches.len()).into_iter().map(of_piece);
-        let mut parts: Vec<Factors> = of_pieces.collect();
-        let mut reduced = reduced(
-            self,
-            state,
-            Gauge::Datum,
-            parts.iter_mut().collect(),
-            #[inline(always)]
-            |b, memory, part: &mut &mut Factors| {
-                let groups = batches[b].groups.clone();
-                memory.equations.add_factors(groups, part);
-            },
-        )?;
-        self.observe_known(state, &mut reduced);
+        let mut left: Vec<Factors> = of_pieces.collect();
+        let parts = left.iter_mut().map(|factors| Part {
+            factors: Some(factors),
+            ..Part::default()
+        });
+        let reduced = self.reduced_at(state, Gauge::Datum, parts.collect())?;
         let mut factors = Factors::default();
-        parts.into_iter().for_each(|part| factors.append(part));
+        left.into_iter().for_each(|part| factors.append(part));
         Ok((reduced, factors))
     }
 
     fn step(
         &self,
-        (state, linearised): (&State, &Vec<Linearised>),
+        from: (&State, &mut Vec<Linearised>),
         s: &[f64],
         factor: f64,
         next: &mut State,
     ) -> f64 {
-        self.step_shared(state, s, factor, next);
-        let State {
-            stations,
-            dead_paths_mm,
-            points,
-            poses,
-            shapes_mm,
-            contrasts_mm,
-            ..
-        } = next;
-        let common = Common {
-            stations,
-            dead_paths_mm,
-            contrasts_mm,
-        };
-        let batches = &self.batches;
-        let pieces = pieces(batches.len());
-        let groups = groups_of(batches, &pieces);
-        let ends = &self.network.groups;
-        let of_points = groups
-            .iter()
-            .map(|g| ends[g.end - 1].end - ends[g.start].start);
-        let points = split_mut(points, of_points);
-        let has_poses = !poses.is_empty();
-        let of_poses = groups.iter().map(|g| if has_poses { g.len() } else { 0 });
-        let poses = split_mut(poses, of_poses);
-        let parts = points.into_iter().zip(poses).zip(linearised);
-        let of_pieces = in_parallel(
-            pieces.into_iter().zip(parts).collect(),
-            #[inline(always)]
-            |(piece, ((mut points, mut poses), left)): (
-                Range<usize>,
-                ((&mut [_], &mut [_]), _),
-            )| {
-                let Linearised {
-                    weights,
-                    eliminated,
-                } = left;
-                let (mut weights, mut eliminated) = (&weights[..], &eliminated[..]);
-                self.memories.lend(
-                    #[inline(always)]
-                    |memory| {
-                        let mut squares = Lanes::ZERO;
-                        for b in piece {
-                            let batch = &batches[b];
-                            let groups = batch.groups.len();
-                            let own;
-                            (own, points) = points.split_at_mut(groups * batch.points);
-                            let own_poses;
-                            (own_poses, poses) =
-                                poses.split_at_mut(if has_poses { groups } else { 0 });
-                            let of_batch;
-                            (of_batch, weights) = weights.split_at(batch.weights());
-                            let kept;
-                            (kept, eliminated) =
-                                eliminated.split_at(BlockBatch::kept_len(batch.unknowns()));
-                            let mut moved = Moved {
-                                points: own,
-                                poses: own_poses,
-                            };
-                            self.move_groups(
-                                (state, b),
-                                (of_batch, kept),
-                                (s, factor),
-                                shapes_mm,
-                                (memory, &mut moved),
-                            );
-                            memory.beams.fill(batch, common);
-                            squares += memory.beams.squares(batch, of_batch);
-                        }
-                        squares.sum()
-                    },
-                )
-            },
-        );
-        let known = self.known_rows(next);
-        let of_known: f64 = known.iter().map(|row| row.residual.powi(2)).sum();
-        of_pieces.into_iter().sum::<f64>() + of_known
+        self.step_and(None, from, (s, factor), next).0
+    }
+
+    fn step_and_reduce(
+        &self,
+        from: (&State, &mut Vec<Linearised>),
+        s: &[f64],
+        next: &mut State,
+    ) -> (f64, Result<Reduced, LeastSquaresError>) {
+        self.step_and(Some(Gauge::Free), from, (s, 1.0), next)
     }
 
     fn free_motions(&self, state: &State) -> Vec<Vec<f64>> {
@@ -167,42 +118,227 @@ impl Adjustment for GroupAdjustment<'_> {
     }
 }
 
-/// The reduced system of all batches at a state; `take` gets the eliminated equations of each batch, by its
-/// number, with what its piece is given of `parts`.
-fn reduced<P: Send>(
-    model: &GroupAdjustment<'_>,
-    state: &State,
-    gauge: Gauge,
-    parts: Vec<P>,
-    take: impl Fn(usize, &mut Memory, &mut P) + Sync + Send,
-) -> Result<Reduced, LeastSquaresError> {
-    let pieces = pieces(model.batches.len()).into_iter();
-    let sums = in_parallel(
-        pieces.zip(parts).collect(),
-        #[inline(always)]
-        |(piece, mut part): (Range<usize>, P)| {
-            model.memories.lend(
-                #[inline(always)]
-                |memory| {
-                    memory.sums.reset(model.shared(), gauge.constraints());
-                    for b in piece {
-                        let batch = &model.batches[b];
-                        model.fill(state, b, gauge, memory);
-                        memory.equations.eliminate(|lane| batch.number(lane))?;
-                        memory.equations.add_to(&mut memory.sums);
-                        let unknowns = batch.unknowns() * batch.groups.len();
-                        memory.sums.count(batch.readings, unknowns);
-                        take(b, memory, &mut part);
-                    }
-                    Ok(memory.sums.reduced())
-                },
-            )
-        },
-    );
-    // Of several errors the first.
-    let none = Reduced::new(model.shared(), gauge.constraints());
-    sums.into_iter().try_fold(none, |mut whole, sum| {
-        whole.merge(&sum?);
-        Ok(whole)
-    })
+impl GroupAdjustment<'_> {
+    /// The reduced system at a state.
+    fn reduced_at(
+        &self,
+        state: &State,
+        gauge: Gauge,
+        parts: Vec<Part<'_>>,
+    ) -> Result<Reduced, LeastSquaresError> {
+        let pass = Pass {
+            state,
+            step: None,
+            common: state.common(),
+            shapes_mm: &state.shapes_mm,
+            gauge: Some(gauge),
+        };
+        Ok(observed(self.pass(pass, parts).1?, &self.known_rows(state)))
+    }
+
+    /// Makes a step and, with a gauge, linearises all where it leads.
+    fn step_and(
+        &self,
+        gauge: Option<Gauge>,
+        (state, linearised): (&State, &mut Vec<Linearised>),
+        (s, factor): (&[f64], f64),
+        next: &mut State,
+    ) -> (f64, Result<Reduced, LeastSquaresError>) {
+        self.step_shared(state, s, factor, next);
+        let known = self.known_rows(next);
+        let of_known: f64 = known.iter().map(|row| row.residual.powi(2)).sum();
+        let groups = groups_of(&self.batches, &pieces(self.batches.len()));
+        let ends = &self.network.groups;
+        let of_points = groups
+            .iter()
+            .map(|g| ends[g.end - 1].end - ends[g.start].start);
+        let points = split_mut(&mut next.points, of_points);
+        let has_poses = !next.poses.is_empty();
+        let of_poses = groups.iter().map(|g| if has_poses { g.len() } else { 0 });
+        let poses = split_mut(&mut next.poses, of_poses);
+        let moved = points.into_iter().zip(poses).zip(linearised);
+        let parts = moved.map(|((points, poses), left)| Part {
+            points,
+            poses,
+            ..left.part()
+        });
+        let pass = Pass {
+            state,
+            step: Some((s, factor)),
+            common: Common {
+                stations: &next.stations,
+                dead_paths_mm: &next.dead_paths_mm,
+                contrasts_mm: &next.contrasts_mm,
+            },
+            shapes_mm: &next.shapes_mm,
+            gauge,
+        };
+        let (squares, reduced) = self.pass(pass, parts.collect());
+        let reduced = reduced.map(|reduced| observed(reduced, &known));
+        (squares + of_known, reduced)
+    }
+
+    /// The sum of squares after the step, with the weights before it, and the reduced system.
+    fn pass(
+        &self,
+        pass: Pass<'_>,
+        parts: Vec<Part<'_>>,
+    ) -> (f64, Result<Reduced, LeastSquaresError>) {
+        let pieces = pieces(self.batches.len()).into_iter();
+        let of_gauge = |gauge: Gauge| (self.shared(), gauge.constraints());
+        let (shared, constraints) = pass.gauge.map_or((0, 0), of_gauge);
+        let sums = in_parallel(
+            pieces.zip(parts).collect(),
+            #[inline(always)]
+            |(piece, mut part): (Range<usize>, Part<'_>)| {
+                self.memories.lend(
+                    #[inline(always)]
+                    |memory| {
+                        memory.sums.reset(shared, constraints);
+                        let (mut squares, mut outcome) = (Lanes::ZERO, Ok(()));
+                        for batch in &self.batches[piece] {
+                            let mut own = part.next(batch);
+                            self.take(pass.state, batch, memory);
+                            if let Some(step) = pass.step {
+                                self.move_groups((batch, memory), (&pass, step), &mut own);
+                            }
+                            memory.beams.fill(batch, pass.common);
+                            if pass.step.is_some() {
+                                squares += memory.beams.squares(batch, own.weights);
+                            }
+                            // The squares are asked for where it cannot be reduced, too.
+                            if let (Some(gauge), Ok(())) = (pass.gauge, &outcome) {
+                                outcome = self.eliminate((batch, memory), gauge, &mut own);
+                            }
+                        }
+                        // A closure would stay outside the registers that were chosen.
+                        let reduced = match outcome {
+                            Ok(()) => Ok(memory.sums.reduced()),
+                            Err(error) => Err(error),
+                        };
+                        (squares.sum(), reduced)
+                    },
+                )
+            },
+        );
+        // Of several errors the first.
+        let none = (0.0, Ok(Reduced::new(shared, constraints)));
+        sums.into_iter()
+            .fold(none, |(squares, whole), (more, sum)| {
+                let whole = whole.and_then(|mut whole| {
+                    whole.merge(&sum?);
+                    Ok(whole)
+                });
+                (squares + more, whole)
+            })
+    }
+
+    /// Moves the groups of a batch that was taken, and writes where they are then.
+    #[inline(always)]
+    fn move_groups(
+        &self,
+        (batch, memory): (&Batch, &mut Memory),
+        (pass, (s, factor)): (&Pass<'_>, (&[f64], f64)),
+        own: &mut Part<'_>,
+    ) {
+        memory.beams.fill(batch, pass.state.common());
+        self.fill_rows(batch, Gauge::Free, memory);
+        let equations = &mut memory.equations;
+        equations.take_off(s);
+        for (first, count, weights) in by_visit(batch, own.weights) {
+            equations.weigh(first, count, weights);
+        }
+        let x = equations.correction(own.eliminated);
+        let by = |k: usize| times(at(x, k), Lanes::splat(factor));
+        let (tie, points) = (&mut memory.tie, &mut memory.beams.points);
+        match self.body_of(batch) {
+            Some((bodies, body)) => {
+                tie.move_by([by(0), by(1)]);
+                tie.put((batch, bodies), &pass.shapes_mm[body], points);
+                for (lane, pose) in own.poses.iter_mut().enumerate() {
+                    *pose = tie.pose(lane);
+                }
+            }
+            None => (0..batch.points).for_each(|k| add(&mut points[3 * k..], by(k))),
+        }
+        for (lane, group) in own.points.chunks_exact_mut(batch.points).enumerate() {
+            for (point, place) in group.iter_mut().zip(points.chunks_exact(3)) {
+                *point = Point3::new(place[0].0[lane], place[1].0[lane], place[2].0[lane]);
+            }
+        }
+    }
+
+    /// Eliminates the groups of a batch whose beams are there.
+    #[inline(always)]
+    fn eliminate(
+        &self,
+        (batch, memory): (&Batch, &mut Memory),
+        gauge: Gauge,
+        own: &mut Part<'_>,
+    ) -> Result<(), LeastSquaresError> {
+        self.fill_rows(batch, gauge, memory);
+        self.weigh(batch, memory);
+        let Memory {
+            equations, sums, ..
+        } = memory;
+        equations.eliminate(|lane| batch.number(lane))?;
+        equations.add_to(sums);
+        sums.count(batch.readings, batch.unknowns() * batch.groups.len());
+        match &mut own.factors {
+            Some(factors) => equations.add_factors(batch.groups.clone(), factors),
+            None => {
+                own.weights.copy_from_slice(&memory.weights);
+                equations.keep(own.eliminated);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Linearised {
+    /// Makes room for what some batches leave.
+    fn fit(&mut self, batches: &[Batch]) {
+        let weights = batches.iter().map(Batch::weights).sum();
+        self.weights.resize(weights, Lanes::ZERO);
+        let kept = batches.iter().map(|b| BlockBatch::kept_len(b.unknowns()));
+        self.eliminated.resize(kept.sum(), Lanes::ZERO);
+    }
+
+    fn part(&mut self) -> Part<'_> {
+        Part {
+            weights: &mut self.weights,
+            eliminated: &mut self.eliminated,
+            ..Part::default()
+        }
+    }
+}
+
+impl Part<'_> {
+    /// What belongs to the next batch.
+    #[inline(always)]
+    fn next(&mut self, batch: &Batch) -> Part<'_> {
+        let groups = batch.groups.len();
+        Part {
+            points: next(&mut self.points, groups * batch.points),
+            poses: next(&mut self.poses, groups),
+            weights: next(&mut self.weights, batch.weights()),
+            eliminated: next(&mut self.eliminated, BlockBatch::kept_len(batch.unknowns())),
+            factors: self.factors.as_deref_mut(),
+        }
+    }
+}
+
+/// Splits the next elements off; none if there are none.
+#[inline(always)]
+fn next<'a, T>(all: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+    let count = count.min(all.len());
+    all.split_off_mut(..count).unwrap_or_default()
+}
+
+/// A reduced system with what is known beside the lengths.
+fn observed(mut reduced: Reduced, known: &[KnownRow]) -> Reduced {
+    for row in known {
+        reduced.observe(&row.columns, row.residual);
+    }
+    reduced
 }

@@ -26,13 +26,16 @@ impl BlockBatch {
         unknowns * (unknowns + 1) / 2
     }
 
-    /// Appends what [`BlockBatch::correction`] needs of the eliminated blocks: the rows of `R` from their
+    /// Writes what [`BlockBatch::correction`] needs of the eliminated blocks: the rows of `R` from their
     /// diagonal on. Rows are made again for it, which costs less than to keep them.
     #[inline(always)]
-    pub fn keep(&self, kept: &mut Vec<Lanes>) {
+    pub fn keep(&self, kept: &mut [Lanes]) {
         let n = self.shape.unknowns;
+        let mut kept = kept;
         for (k, row) in self.factor.chunks_exact(n).enumerate() {
-            kept.extend_from_slice(&row[k..]);
+            let own;
+            (own, kept) = kept.split_at_mut(n - k);
+            own.copy_from_slice(&row[k..]);
         }
     }
 

@@ -80,7 +80,7 @@ fn solve_arrowhead(blocks: &[Block], closure: f64) -> Result<Solved, Error> {
     let mut factors = Factors::with_room(SHARED + 1, unknowns);
     let mut unknowns = Vec::new();
     for (i, mut batch) in batches.into_iter().enumerate() {
-        let mut kept = Vec::new();
+        let mut kept = vec![Lanes::ZERO; BlockBatch::kept_len(blocks[i].unknowns)];
         batch.keep(&mut kept);
         let mut rows = batch.clone();
         rows.take_off(&solution.unknowns[..SHARED]);
