@@ -31,6 +31,9 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
     }
     say_all(table(&differences));
     say(&summary(&differences));
+    for (axis, kind, homes) in first.other_homes(&second) {
+        notice(&other_home(axis, kind, &homes));
+    }
     for (axis, kind, [a, b]) in first.other_travels(&second) {
         let travel = |[from, to]: [f64; 2]| match kind {
             AxisKind::Linear => format!("{from:.0} … {to:.0} mm"),
@@ -52,6 +55,30 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
     }
     results.end(args.result.json.then_some(&text))?;
     Ok(Exit::Good)
+}
+
+/// What the differences of an axis refer to of which home was not a step in both calibrations.
+fn other_home(axis: &str, kind: AxisKind, homes: &[Vec<f64>; 2]) -> String {
+    let (errors, unit) = match kind {
+        AxisKind::Linear => ("positioning and angles", " mm"),
+        AxisKind::Rotary => ("what is along and about it", "°"),
+    };
+    let place = |q: &f64| format!("{}{unit}", round(position_in_file(kind, *q), DECIMALS));
+    let [first, second] = homes.each_ref().map(|steps| match steps.as_slice() {
+        [low, high] => format!("on the line from {} to {}", place(low), place(high)),
+        steps => format!("at {}", steps.iter().map(place).collect::<String>()),
+    });
+    let not_measured = format!("{axis}: home, 0{unit}, was not measured");
+    match first == second {
+        true => format!(
+            "{not_measured}: {errors} are zero {first} in both calibrations, so that no difference says what has \
+             changed between there and home"
+        ),
+        false => format!(
+            "{not_measured} in both calibrations: {errors} are zero {first} in the first, {second} in the second, and \
+             all their differences contain what the curves do in between"
+        ),
+    }
 }
 
 /// The checksum of the table of readings that a calibration follows from, if it says so.

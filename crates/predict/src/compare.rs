@@ -4,7 +4,8 @@
 //! first is interpolated; location errors as they are. The two are taken for independent, so that `u² = u_a² + u_b²`, with
 //! what the interpolation may be off by. Both are in the frame and gauge of their own, by the same rules: what they define
 //! away differs by nothing. Translations and average lines are those of the reference point, so that calibrations with
-//! other reference points are not compared; average lines over other travels are ([`CalibratedMachine::other_travels`]).
+//! other reference points are not compared; average lines over other travels ([`CalibratedMachine::other_travels`]) and errors
+//! that are zero elsewhere than at home ([`CalibratedMachine::other_homes`]) are.
 
 use trueaxis_kinematics::{AxisKind, Component};
 
@@ -19,6 +20,9 @@ const SAME_POINT_MM: f64 = 1e-3;
 
 /// Ends that differ by less of the travel change no average line to speak of.
 const SAME_TRAVEL: f64 = 0.02;
+
+/// Steps that are closer together are one, mm or rad: files round degrees to 1e-9.
+const SAME_HOME: f64 = 1e-9;
 
 /// A component error at a step, or a location error, in both calibrations: mm or rad.
 #[derive(Debug, Clone, PartialEq)]
@@ -156,6 +160,24 @@ impl CalibratedMachine {
             let longest = (a[1] - a[0]).max(b[1] - b[0]);
             let off = (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
             off > SAME_TRAVEL * longest
+        })
+        .collect()
+    }
+
+    /// Axes of which home was not a step in both calibrations, with the steps whose errors each takes for those at home, mm
+    /// or rad: home itself, the two around it, or the nearest. Positioning and angles of a linear axis, and what is along and
+    /// about a rotary one, are zero there, so that their differences contain what the curve itself makes of another place;
+    /// where both have the steps around home in common they do not, and the axis is left out.
+    pub fn other_homes<'a>(&'a self, second: &'a Self) -> Vec<(&'a str, AxisKind, [Vec<f64>; 2])> {
+        let all = self.pairs(second).map(|(name, a, b)| {
+            let kind = second.machine.axes()[b.axis].kind();
+            (name, kind, [a, b].map(|axis| axis.curve.steps_of_home()))
+        });
+        let is_elsewhere = |steps: &Vec<f64>| steps.len() == 1 && steps[0].abs() > SAME_HOME;
+        all.filter(|(_, _, [a, b])| {
+            let mut pairs = a.iter().zip(b);
+            let same = a.len() == b.len() && pairs.all(|(a, b)| (a - b).abs() <= SAME_HOME);
+            !same || is_elsewhere(a)
         })
         .collect()
     }

@@ -109,6 +109,22 @@ impl Curve {
         steps
     }
 
+    /// The steps whose errors a calibration takes for those at home, which is 0: home, the two around it, or the nearest.
+    pub(crate) fn steps_of_home(&self) -> Vec<f64> {
+        let steps = self.steps();
+        let distance = |q: &&f64| q.abs();
+        let nearest = |side: fn(&&f64) -> bool| {
+            let own = steps.iter().filter(side);
+            own.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        };
+        let at_home = steps.iter().find(|q| q.abs() <= SAME);
+        let around = [nearest(|q| **q < 0.0), nearest(|q| **q > 0.0)];
+        match at_home {
+            Some(home) => vec![*home],
+            None => around.into_iter().flatten().copied().collect(),
+        }
+    }
+
     /// Whether both sides of approach have a curve of their own.
     pub(crate) fn keeps_sides_apart(&self) -> bool {
         self.sides.len() > 1

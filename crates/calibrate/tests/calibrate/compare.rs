@@ -82,3 +82,40 @@ fn other_travels_are_told() {
         [("X", AxisKind::Linear, travels)]
     );
 }
+
+/// X measured from 60 mm on has its zero there: every difference of its positioning is what the first calibration has at
+/// 60 mm, which is said with both places. Where home is between two steps of both, nothing is to be said.
+#[test]
+fn a_home_that_was_not_measured_is_told() {
+    let whole = calibrated(&scenario(), 1);
+    assert!(whole.other_homes(&calibrated(&scenario(), 2)).is_empty());
+    let json = include_str!("../../../../campaigns/fxyz/scenario.json");
+    let with_x = |of: &str, to: &str| {
+        let changed = json.replace(of, to);
+        assert_ne!(changed, json);
+        calibrated(&Scenario::from_json(&changed).unwrap(), 2)
+    };
+    let sweep = "\"start\": 0, \"stop\": 440";
+    let away = with_x(sweep, "\"start\": 60, \"stop\": 440");
+    let homes = [vec![0.0], vec![60.0]];
+    let told = whole.other_homes(&away);
+    assert_eq!(told, [("X", AxisKind::Linear, homes)]);
+    let differences = whole.compare(&away).unwrap();
+    let of_exx = || differences.iter().filter(|d| d.name == "EXX");
+    let zero = of_exx().find(|d| d.position == Some(60.0)).unwrap().first;
+    assert!(zero.abs() > 2.0 * MICROMETRE);
+    assert!(of_exx().all(|d| (d.value() + zero).abs() < 5.0 * d.u));
+    // Both from there on: none sees what is before.
+    let homes = [vec![60.0], vec![60.0]];
+    let told = away.other_homes(&away);
+    assert_eq!(told, [("X", AxisKind::Linear, homes)]);
+
+    let travel = "\"travel\": [0, 440]";
+    let around = json.replace(travel, "\"travel\": [-10, 440]");
+    let around = around.replace(sweep, "\"start\": -10, \"stop\": 430");
+    let around = calibrated(&Scenario::from_json(&around).unwrap(), 2);
+    let homes = [vec![0.0], vec![-10.0, 10.0]];
+    let told = whole.other_homes(&around);
+    assert_eq!(told, [("X", AxisKind::Linear, homes)]);
+    assert!(around.other_homes(&around).is_empty());
+}

@@ -100,3 +100,40 @@ fn two_calibrations_and_two_machines() {
     );
     assert_eq!(file_names(current), names);
 }
+
+#[test]
+fn a_home_that_was_not_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let current = folder.path();
+    let scenario = fs::read_to_string(shipped("fxyz").join("scenario.json")).unwrap();
+    let away = scenario.replace(
+        "\"start\": 0, \"stop\": 440",
+        "\"start\": 60, \"stop\": 440",
+    );
+    assert_ne!(away, scenario);
+    for (name, scenario) in [("whole", scenario), ("away", away)] {
+        fs::write(current.join(format!("{name}.json")), scenario).unwrap();
+        let file = format!("{name}.json");
+        run(current, &["simulate", &file, "--out", name]).assert_good();
+        let campaign = format!("{name}/campaign.json");
+        let out = format!("{name}/result");
+        run(current, &["calibrate", &campaign, "--out", &out]).assert_good();
+    }
+    let [whole, away] = ["whole", "away"].map(|name| format!("{name}/result/calibration.json"));
+    for (second, said) in [
+        (
+            &whole,
+            "notice: X: home, 0 mm, was not measured in both calibrations: positioning and angles are zero at 60 mm in the \
+             first, at 0 mm in the second, and all their differences contain what the curves do in between\n",
+        ),
+        (
+            &away,
+            "notice: X: home, 0 mm, was not measured: positioning and angles are zero at 60 mm in both calibrations, so that \
+             no difference says what has changed between there and home\n",
+        ),
+    ] {
+        let outcome = run(current, &["compare", &away, second]);
+        outcome.assert_good();
+        assert!(outcome.stderr.contains(said), "{}", outcome.stderr);
+    }
+}

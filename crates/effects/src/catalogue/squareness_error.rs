@@ -1,9 +1,10 @@
 //! Two linear axes that are not square to each other, beyond what the calibration says: the later axis
-//! is turned by the angle, `D_p = q α n × e`; α is `squareness` in arcsec.
+//! is turned by the angle, `D_p = q α R (n × e)`; α is `squareness` in arcsec.
 //!
-//! `n` is the common perpendicular of the two axes on the side of the positive reference axis, so that
-//! the parameter has the sign of the ISO 230-1 location errors: for Y against X it is a change of
-//! `C0Y` (direction `(-C0Y, 1, 0)`), for Z against X of `B0Z`, for Z against Y of `A0Z`.
+//! `e` is the direction of the axis and `n` the common perpendicular of the two axes at home, on the side of the
+//! positive reference axis, so that the parameter has the sign of the ISO 230-1 location errors: for Y against X it is a
+//! change of `C0Y` (direction `(-C0Y, 1, 0)`), for Z against X of `B0Z`, for Z against Y of `A0Z`. `R` is the
+//! orientation of what carries the axis: behind a rotary axis the error turns with it.
 
 use nalgebra::Vector3;
 use trueaxis_kinematics::ARCSEC;
@@ -30,16 +31,21 @@ pub(super) const EFFECT: Effect = Effect {
     },
 };
 
-/// `q α n × e` for α = 1 arcsec, mm.
+/// `q α R n × e` for α = 1 arcsec, mm.
 fn turned(of: &AtReading<'_>) -> Vector3<f64> {
     let (Some(axis), Some(other)) = (of.subject.axis, of.subject.other_axis) else {
         return Vector3::zeros();
     };
-    let (along, reference) = (of.at.unit_motion(axis), of.at.unit_motion(other));
-    // Parallel axes, or one that does not move the target, have no common perpendicular.
+    if !of.at.is_carried_by(axis) {
+        return Vector3::zeros();
+    }
+    let direction = |axis: usize| of.at.machine.axes()[axis].direction().into_inner();
+    let (along, reference) = (direction(axis), direction(other));
+    // Parallel axes have no common perpendicular.
     let Some(normal) = reference.cross(&along).try_normalize(f64::EPSILON) else {
         return Vector3::zeros();
     };
     let side = normal[normal.iamax()].signum();
-    normal.cross(&along) * (side * ARCSEC * of.position())
+    let ref_from_base = of.at.ref_from_base(axis).rotation;
+    ref_from_base * normal.cross(&along) * (side * ARCSEC * of.position())
 }

@@ -112,3 +112,47 @@ fn the_angle_is_the_slope_of_the_straightness_by_the_right_hand_rule() {
         assert!((motion(150.0).rotation_rad - expected).norm() < 1e-6 * slope);
     }
 }
+
+/// C0Y leans Y to (-α, 1, 0) at home, whatever turns between X and Y, and whatever X carries.
+#[test]
+fn squareness_is_that_of_the_axes_at_home() {
+    let axis = |name, direction| Axis::linear(name, direction, [0.0, 400.0]).unwrap();
+    let turn = |name, direction| Axis::rotary(name, direction, [-7.0, 7.0], Point3::origin());
+    let (x, y) = (axis("X", Vector3::x()), axis("Y", Vector3::y()));
+    let c = turn("C", Vector3::z()).unwrap();
+    let b = turn("B", Vector3::y()).unwrap();
+    let (sin, cos) = 0.5_f64.sin_cos();
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let subject = Subject {
+        other_axis: Some(0),
+        ..Subject::axis(1)
+    };
+    let cases = [
+        (Some(&c), 0.0, [-1.0, 0.0, 0.0]),
+        (Some(&c), quarter, [0.0, -1.0, 0.0]),
+        (Some(&c), 2.0 * quarter, [1.0, 0.0, 0.0]),
+        (Some(&b), 0.5, [-cos, 0.0, sin]),
+        // X moves the table.
+        (None, 0.0, [-1.0, 0.0, 0.0]),
+    ];
+    for (between, angle, leans) in cases {
+        let axes = [x.clone(), y.clone()].into_iter().chain(between.cloned());
+        let tool = between.map_or(vec![1], |_| vec![0, 2, 1]);
+        let table = between.map_or(vec![0], |_| vec![]);
+        let machine = Machine::new(axes.collect(), tool, table).unwrap();
+        for y_mm in [0.0, 150.0, -60.0] {
+            let positions = [30.0, y_mm, angle];
+            let at = Circumstances {
+                positions: &positions[..machine.axes().len()],
+                carrier: Some(1),
+                point_mm: Point3::new(70.0, 20.0, 90.0),
+                ..Circumstances::new(&machine)
+            };
+            let squareness_error = effect("squareness_error").unwrap();
+            let found = squareness_error.form(&subject, 0, 0.0, &at);
+            let expected = Vector3::from(leans) * (y_mm * ARCSEC);
+            let off_mm = (found.point_mm - expected).norm();
+            assert!(off_mm < 1e-12, "{angle} {y_mm}: {}", found.point_mm);
+        }
+    }
+}
