@@ -33,6 +33,7 @@
 //! than it, as polynomials of low degree, it is too small. Bows and scales count what the other guideways of
 //! the machine show of that ([`bow`]).
 
+mod aliases;
 mod background;
 mod bow;
 mod candidates;

@@ -232,9 +232,13 @@ fn judged<'a>(
         Problem::new(comparison, asked.scene, &given)
     };
     let curve = match calibration {
-        None if asked.explain_curves => {
-            diagnose_line_curve(comparison, floor_um, comparison.machine, name)
-        }
+        None if asked.explain_curves => diagnose_line_curve(
+            comparison,
+            floor_um,
+            comparison.machine,
+            name,
+            &mut outcome.notices,
+        ),
         _ => None,
     };
     let is_explained = curve.is_some();

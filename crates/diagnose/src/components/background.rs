@@ -16,11 +16,13 @@
 //! over a grid in equal ratios, w with a flat prior, s with one from the other curves
 //! ([`crate::components::smooth_prior`]).
 //!
-//! For each s one eigenvalue decomposition `C + s² K = Q Λ Qᵀ` whitens for all w: `(Λ + w²)^{-1/2} Qᵀ`.
+//! For each s one eigenvalue decomposition `C + s² K = Q Λ Qᵀ` whitens for all w: `(Λ + w²)^{-1/2} Qᵀ`. Where all values have the same
+//! variance and are independent, as those of a line, one of K does for all s.
 
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use rayon::prelude::*;
 use trueaxis_kinematics::AxisKind;
 
 use crate::components::curve_set::CurveSet;
@@ -87,6 +89,20 @@ pub(crate) struct Smooth {
 pub(crate) fn smooth_rests(set: &CurveSet) -> Vec<Smooth> {
     let kernel = kernel(set);
     let (u, range) = scales(set);
+    let numbers = numbers(LEAST_SMOOTH * u, MOST_SMOOTH * range);
+    let numbers = numbers.into_par_iter();
+    if let Some(variance) = common_variance(&set.covariance) {
+        let eigen = SymmetricEigen::new(kernel);
+        let turn = Arc::new(eigen.eigenvectors.transpose());
+        let of_number = |number: i32| Smooth {
+            number,
+            values: eigen
+                .eigenvalues
+                .map(|value| variance + size(number).powi(2) * value),
+            turn: Arc::clone(&turn),
+        };
+        return numbers.map(of_number).collect();
+    }
     let of_number = |number: i32| {
         let s = size(number);
         let eigen = SymmetricEigen::new(&set.covariance + &kernel * (s * s));
@@ -96,8 +112,15 @@ pub(crate) fn smooth_rests(set: &CurveSet) -> Vec<Smooth> {
             turn: Arc::new(eigen.eigenvectors.transpose()),
         }
     };
-    let numbers = numbers(LEAST_SMOOTH * u, MOST_SMOOTH * range);
-    numbers.into_iter().map(of_number).collect()
+    numbers.map(of_number).collect()
+}
+
+/// The variance of all values, if it is the same and they are independent.
+fn common_variance(covariance: &DMatrix<f64>) -> Option<f64> {
+    let variance = *covariance.get(0)?;
+    let is_common = *covariance
+        == DMatrix::from_diagonal_element(covariance.nrows(), covariance.ncols(), variance);
+    is_common.then_some(variance)
 }
 
 /// The curves under all sizes of the rest; `base` is what the gauge takes and what is in the model.
@@ -148,6 +171,11 @@ pub(crate) fn backgrounds(
 }
 
 impl Whitening {
+    /// Whether columns that are turned for one are for the other.
+    pub(crate) fn is_turned_as(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.turn, &other.turn)
+    }
+
     /// Whitens a column.
     pub(crate) fn whiten(&self, column: &[f64]) -> Vec<f64> {
         self.scaled(&self.turned(column))

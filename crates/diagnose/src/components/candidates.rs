@@ -102,7 +102,9 @@ impl Candidate {
 /// Equal steps of the frequency.
 fn periods(set: &CurveSet) -> Vec<f64> {
     let travel = set.travel();
-    let highest = travel / (STEPS_PER_PERIOD * set.step());
+    // Of waves of two steps the steps show one phase only, which is as much as there is to know if no others were measured.
+    let untold = if set.thinned.is_some() { 1.0 } else { 0.0 };
+    let highest = travel / (STEPS_PER_PERIOD * set.step()) - untold / FREQUENCIES_PER_TRAVEL;
     let count = FREQUENCIES_PER_TRAVEL * (highest - FEWEST_PERIODS);
     let numbers = std::iter::successors(Some(0.0), |k| Some(k + 1.0));
     numbers
@@ -113,7 +115,7 @@ fn periods(set: &CurveSet) -> Vec<f64> {
 
 /// Whether a period is no longer than two steps: it may as well be shorter.
 pub(crate) fn is_shortest(set: &CurveSet, period: f64) -> bool {
-    period <= STEPS_PER_PERIOD * set.step() * (1.0 + ROUNDING)
+    period <= STEPS_PER_PERIOD * set.measured_step() * (1.0 + ROUNDING)
 }
 
 /// Of a quotient of positions.
@@ -122,8 +124,12 @@ const ROUNDING: f64 = 1e-9;
 /// The shortest period whose sine and cosine the steps tell from each other: half a distance in frequency from two steps,
 /// where the worse one of the two still reaches seven tenths of its size.
 pub(crate) fn shortest_told(set: &CurveSet) -> f64 {
-    let highest = set.travel() / (STEPS_PER_PERIOD * set.step());
-    set.travel() / (highest - 0.5 / FREQUENCIES_PER_TRAVEL)
+    (measured_most(set) - 0.5 / (FREQUENCIES_PER_TRAVEL * set.travel())).recip()
+}
+
+/// The highest frequency that the measured positions tell from a lower one, in one over mm or rad.
+pub(crate) fn measured_most(set: &CurveSet) -> f64 {
+    (STEPS_PER_PERIOD * set.measured_step()).recip()
 }
 
 /// Distance of neighbouring periods of the search, mm or rad.

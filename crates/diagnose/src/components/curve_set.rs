@@ -37,15 +37,28 @@ pub(crate) struct CurveSet {
     pub(crate) covariance: DMatrix<f64>,
     /// What the gauge takes.
     pub(crate) base: Vec<Vec<f64>>,
+    /// Steps between which others were left out, if any were.
+    pub(crate) thinned: Option<Thinned>,
+}
+
+/// What a thinned set does not hold.
+#[derive(Debug, Clone)]
+pub(crate) struct Thinned {
+    /// All steps, as [`CurveSet::nodes`].
+    pub(crate) nodes: Vec<(f64, f64)>,
+    /// Values there, curve after curve.
+    pub(crate) values: Vec<f64>,
+    /// One in so many was kept.
+    pub(crate) stride: usize,
 }
 
 /// Steps below which a curve says nothing about the rest of itself: the base and an effect with a
 /// period take up to five.
 pub(crate) const FEWEST_STEPS: usize = 8;
 
-/// Steps above which they are subsampled: the cost grows with their square, and the rest of a
-/// curve is as smooth as its background.
-const MOST_STEPS: usize = 64;
+/// Steps above which they are subsampled: the cost grows with their third power. Waves that the kept ones show as longer ones are told
+/// from these on all of them ([`crate::components::aliases`]).
+const MOST_STEPS: usize = 400;
 
 /// All sets of all axes; what is too short is named in `notices`.
 pub(crate) fn curve_sets(
@@ -64,12 +77,6 @@ pub(crate) fn curve_sets(
             continue;
         }
         let stride = steps.div_ceil(MOST_STEPS);
-        if stride > 1 {
-            notices.push(format!(
-                "axis {}: of its {steps} positions only one in {stride} was used to look for effects in its error curves",
-                result.name
-            ));
-        }
         let content = &machine.axes()[result.axis];
         let sides: Vec<_> = result.nodes.iter().map(|node| node.direction).collect();
         let kept = thinned(&sides, stride);
@@ -82,6 +89,10 @@ pub(crate) fn curve_sets(
                 components,
             ));
         }
+        let notice = sets
+            .last()
+            .and_then(|set| set.notice(&format!("axis {}", result.name)));
+        notices.extend(notice);
     }
     sets
 }
@@ -120,23 +131,33 @@ impl CurveSet {
         content: &Axis,
         components: Vec<Component>,
     ) -> Self {
-        let nodes = || kept.iter().map(|&node| &result.nodes[node]);
-        let values = components
+        let all: Vec<(f64, f64)> = result
+            .nodes
             .iter()
-            .flat_map(|component| nodes().map(|node| in_unit(&node.error, *component)));
+            .map(|node| {
+                let side = node.direction.map_or(1, Direction::sign);
+                (node.position, f64::from(side))
+            })
+            .collect();
+        let of_all = components.iter().flat_map(|component| {
+            let nodes = result.nodes.iter();
+            nodes.map(|node| in_unit(&node.error, *component))
+        });
+        let of_all: Vec<f64> = of_all.collect();
+        let of_curve = |curve: &[f64]| kept.iter().map(|&node| curve[node]).collect::<Vec<f64>>();
         let mut set = Self {
             axis: result.axis,
             content: content.clone(),
-            values: values.collect(),
+            values: of_all.chunks_exact(all.len()).flat_map(of_curve).collect(),
             covariance: covariance(calibration, result, kept, &components),
             base: Vec::new(),
-            nodes: nodes()
-                .map(|node| {
-                    let side = node.direction.map_or(1, Direction::sign);
-                    (node.position, f64::from(side))
-                })
-                .collect(),
+            nodes: kept.iter().map(|&node| all[node]).collect(),
             components,
+            thinned: (kept.len() < all.len()).then(|| Thinned {
+                stride: all.len().div_ceil(kept.len()),
+                nodes: all,
+                values: of_all,
+            }),
         };
         set.base = set.gauge();
         set
@@ -152,25 +173,45 @@ impl CurveSet {
         variances: Vec<f64>,
     ) -> Self {
         let stride = positions.len().div_ceil(MOST_STEPS);
-        let kept = |all: Vec<f64>| all.into_iter().step_by(stride);
-        let variances: Vec<f64> = kept(variances).collect();
+        let variances: Vec<f64> = variances.into_iter().step_by(stride).collect();
+        let all: Vec<(f64, f64)> = positions.into_iter().map(|q| (q, 1.0)).collect();
         let mut set = Self {
             axis,
             content: content.clone(),
             components: vec![component],
-            nodes: kept(positions).map(|q| (q, 1.0)).collect(),
-            values: kept(values).collect(),
+            nodes: all.iter().copied().step_by(stride).collect(),
+            values: values.iter().copied().step_by(stride).collect(),
             covariance: DMatrix::from_diagonal(&variances.into()),
             base: Vec::new(),
+            thinned: (stride > 1).then_some(Thinned {
+                nodes: all,
+                values,
+                stride,
+            }),
         };
         set.base = set.gauge();
         set
     }
 
+    /// That not all of its positions were used, if so.
+    pub(crate) fn notice(&self, whose: &str) -> Option<String> {
+        let thinned = self.thinned.as_ref()?;
+        Some(format!(
+            "{whose}: of its {} positions one in {} was used to look for effects in its error curves; which of the waves that look alike at these is \
+             there, all positions say, but none is found that is the same at each of these",
+            thinned.nodes.len(),
+            thinned.stride
+        ))
+    }
+
     /// Curve after curve, what a function of curve and step says.
     fn column(&self, value: impl Fn(usize, f64, f64) -> f64) -> Vec<f64> {
+        self.column_at(&self.nodes, value)
+    }
+
+    fn column_at(&self, nodes: &[(f64, f64)], value: impl Fn(usize, f64, f64) -> f64) -> Vec<f64> {
         let curves = 0..self.components.len();
-        let steps = curves.flat_map(|c| self.nodes.iter().map(move |&(q, side)| (c, q, side)));
+        let steps = curves.flat_map(|c| nodes.iter().map(move |&(q, side)| (c, q, side)));
         steps.map(|(c, q, side)| value(c, q, side)).collect()
     }
 
@@ -225,21 +266,35 @@ impl CurveSet {
 
     /// The median distance of neighbouring positions, mm or rad.
     pub(crate) fn step(&self) -> f64 {
-        let mut positions: Vec<f64> = self.nodes.iter().map(|node| node.0).collect();
-        positions.sort_by(f64::total_cmp);
-        let mut gaps: Vec<f64> = positions.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        gaps.retain(|gap| *gap > 0.0);
-        gaps.sort_by(f64::total_cmp);
-        gaps.get(gaps.len() / 2).copied().unwrap_or(0.0)
+        step_of(&self.nodes)
+    }
+
+    /// The same of all positions that were measured.
+    pub(crate) fn measured_step(&self) -> f64 {
+        step_of(
+            self.thinned
+                .as_ref()
+                .map_or(&self.nodes, |thinned| &thinned.nodes),
+        )
     }
 
     /// What units of the parameters of a candidate add to the curves at a shape, µm or arcsec.
     pub(crate) fn columns(&self, candidate: &Candidate, shape: f64) -> Vec<Vec<f64>> {
+        self.columns_at(&self.nodes, candidate, shape)
+    }
+
+    /// The same at other nodes.
+    pub(crate) fn columns_at(
+        &self,
+        nodes: &[(f64, f64)],
+        candidate: &Candidate,
+        shape: f64,
+    ) -> Vec<Vec<f64>> {
         let Hypothesis {
             effect, subject, ..
         } = &candidate.hypothesis;
         let of_parameter = |k: usize| {
-            self.column(|c, position, direction| {
+            self.column_at(nodes, |c, position, direction| {
                 let at = AxisPosition {
                     axis: &self.content,
                     position,
@@ -250,6 +305,16 @@ impl CurveSet {
         };
         (0..candidate.parameters).map(of_parameter).collect()
     }
+}
+
+/// The median distance of neighbouring positions.
+fn step_of(nodes: &[(f64, f64)]) -> f64 {
+    let mut positions: Vec<f64> = nodes.iter().map(|node| node.0).collect();
+    positions.sort_by(f64::total_cmp);
+    let mut gaps: Vec<f64> = positions.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    gaps.retain(|gap| *gap > 0.0);
+    gaps.sort_by(f64::total_cmp);
+    gaps.get(gaps.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// One component, µm or arcsec.

@@ -90,10 +90,11 @@ pub(crate) fn estimate(
 fn mixture(backgrounds: &[Background], columns: &[Vec<f64>]) -> (DVector<f64>, DMatrix<f64>) {
     let n = columns.len();
     let mut of_sizes: Vec<(f64, DVector<f64>, DMatrix<f64>)> = Vec::new();
-    for of_smooth in backgrounds.chunk_by(|a, b| a.smooth == b.smooth) {
-        let turned = columns.iter().map(|c| of_smooth[0].whitening.turned(c));
+    let alike = |a: &Background, b: &Background| a.whitening.is_turned_as(&b.whitening);
+    for alike in backgrounds.chunk_by(alike) {
+        let turned = columns.iter().map(|c| alike[0].whitening.turned(c));
         let turned: Vec<Vec<f64>> = turned.collect();
-        for background in of_smooth {
+        for background in alike {
             let projection = &background.projection;
             let whitened = turned.iter().map(|c| background.whitening.scaled(c));
             let whitened: Vec<Vec<f64>> = whitened.collect();

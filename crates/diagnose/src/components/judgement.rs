@@ -11,6 +11,8 @@
 //! the restricted likelihood with the effect in the model. If the rest were white and unknown, this would
 //! be Student's test.
 
+use rayon::prelude::*;
+
 use crate::components::background::Background;
 use crate::components::candidates::Candidate;
 use crate::components::curve_set::CurveSet;
@@ -19,10 +21,8 @@ use crate::selection::{FixedScan, Gram, Scan, Score};
 
 /// A candidate in front of every size of the rest.
 pub(crate) struct Judgement {
-    /// For each shape, its columns.
-    raw: Columns,
-    /// For each size, its scan; none if the data do not see the effect.
-    scans: Vec<Option<FixedScan>>,
+    /// For each shape, all sizes of the rest under which the data see the effect.
+    tails: Vec<Vec<Tail>>,
 }
 
 /// One shape and one size of the rest.
@@ -34,33 +34,45 @@ struct Tail {
     evidence: f64,
 }
 
-/// Takes the number of a shape, the weight of a size of the rest, the Gram matrix and `Xᵀ e`.
-type Visit<'a> = dyn FnMut(usize, f64, &Gram, &[f64]) + 'a;
+/// A tail with the coordinates that its evidence follows from.
+type WithCoordinates = (Tail, Vec<(f64, f64)>);
 
 /// Natural logarithm of the weight, against the largest, below which a size of the rest is left out of
 /// the evidence: e⁻²⁰ of the sum.
 const NEGLIGIBLE: f64 = -20.0;
 
 impl Judgement {
-    /// Whitens the candidate's columns for each size.
+    /// Whitens the candidate's columns for each size. What is as long as the curve is let go at once: many shapes times many sizes
+    /// of it would not fit into memory.
     pub(crate) fn new(set: &CurveSet, backgrounds: &[Background], candidate: &Candidate) -> Self {
-        let shapes = candidate.shapes.iter();
-        let raw = shapes.map(|&shape| (shape, set.columns(candidate, shape)));
-        let raw: Columns = raw.collect();
-        let mut turned: Option<(i32, Columns)> = None;
-        let mut scans = Vec::with_capacity(backgrounds.len());
-        for background in backgrounds {
-            let of_smooth = turned.take().filter(|turned| turned.0 == background.smooth);
-            let (_, columns) = turned
-                .insert(of_smooth.unwrap_or_else(|| (background.smooth, turn(background, &raw))));
-            scans.push(scan(background, candidate, columns));
+        let raw = raw(set, candidate);
+        let alike = |a: &Background, b: &Background| a.whitening.is_turned_as(&b.whitening);
+        let judged = backgrounds.par_chunk_by(alike).flat_map(|alike| {
+            let turned = turn(&alike[0], &raw);
+            let of_size = move |background| of_size(background, candidate, &turned);
+            alike.par_iter().map(of_size)
+        });
+        let mut tails: Vec<Vec<WithCoordinates>> =
+            candidate.shapes.iter().map(|_| Vec::new()).collect();
+        for (shape, tail) in judged.collect::<Vec<_>>().into_iter().flatten() {
+            tails[shape].push(tail);
         }
-        Self { raw, scans }
-    }
-
-    /// The scan for one size of the rest.
-    pub(crate) fn scan(&self, background: &Background, candidate: &Candidate) -> Option<FixedScan> {
-        scan(background, candidate, &turn(background, &self.raw))
+        let weighed = |tails: Vec<WithCoordinates>| {
+            let weight = |tail: &Tail| tail.ln_weight + 0.5 * tail.statistic;
+            let top = tails.iter().map(|(tail, _)| weight(tail));
+            let top = top.fold(f64::NEG_INFINITY, f64::max);
+            let with_evidence = tails.into_iter().map(|(tail, coordinates)| Tail {
+                evidence: match weight(&tail) - top > NEGLIGIBLE {
+                    true => Gram::evidence_of(&coordinates),
+                    false => 0.0,
+                },
+                ..tail
+            });
+            with_evidence.collect()
+        };
+        Self {
+            tails: tails.into_iter().map(weighed).collect(),
+        }
     }
 
     /// The best shape and its judgement; `number` is that of the candidate. None if no shape is seen.
@@ -70,13 +82,12 @@ impl Judgement {
         candidate: &Candidate,
         number: usize,
     ) -> Option<Score> {
-        let tails = self.tails(backgrounds, candidate);
         let base = ln_sum(backgrounds.iter().map(|background| background.ln_weight));
         let has_shape = candidate.hypothesis.has_shape();
         let rows = backgrounds.first()?.projection.rows() as f64;
         let mut best: Option<Score> = None;
         let mut evidences = Vec::new();
-        for (&shape, tails) in candidate.shapes.iter().zip(&tails) {
+        for (&shape, tails) in candidate.shapes.iter().zip(&self.tails) {
             let Some(rank) = tails.first().map(|tail| tail.rank) else {
                 continue;
             };
@@ -117,48 +128,45 @@ impl Judgement {
         best.evidence = 2.0 * (mean - (candidate.hypothesis.subjects as f64).ln());
         Some(best)
     }
+}
 
-    /// For each shape, all sizes of the rest.
-    fn tails(&self, backgrounds: &[Background], candidate: &Candidate) -> Vec<Vec<Tail>> {
-        let mut tails: Vec<Vec<Tail>> = candidate.shapes.iter().map(|_| Vec::new()).collect();
-        let mut top = vec![f64::NEG_INFINITY; candidate.shapes.len()];
-        self.for_each(backgrounds, candidate, &mut |k, ln_weight, gram, s| {
-            let (mut statistic, mut ln_determinant) = (0.0, 0.0);
-            for (value, z) in gram.standardised(s) {
-                statistic += z * z;
-                ln_determinant += value.ln();
-            }
-            top[k] = top[k].max(ln_weight + 0.5 * statistic);
-            tails[k].push(Tail {
-                ln_weight,
-                statistic,
+/// The scan for one size of the rest.
+pub(crate) fn scan(
+    set: &CurveSet,
+    background: &Background,
+    candidate: &Candidate,
+) -> Option<FixedScan> {
+    scan_of(
+        background,
+        candidate,
+        &turn(background, &raw(set, candidate)),
+    )
+}
+
+/// All shapes under one size of the rest, by their number.
+fn of_size(
+    background: &Background,
+    candidate: &Candidate,
+    turned: &Columns,
+) -> Vec<(usize, WithCoordinates)> {
+    let mut all = Vec::new();
+    let mut shapes = candidate.shapes.iter().enumerate();
+    if let Some(scan) = scan_of(background, candidate, turned) {
+        scan.for_each(&background.projection.residuals, &mut |tried, gram, s| {
+            // Those that are seen come in the order of the list.
+            let number = shapes.find(|(_, own)| same(**own, tried.shape));
+            let coordinates: Vec<(f64, f64)> = gram.standardised(s).collect();
+            let tail = Tail {
+                ln_weight: background.ln_weight,
+                statistic: coordinates.iter().map(|(_, z)| z * z).sum(),
                 rank: gram.rank(),
-                ln_determinant,
+                ln_determinant: coordinates.iter().map(|(value, _)| value.ln()).sum(),
                 evidence: 0.0,
-            });
+            };
+            all.extend(number.map(|(number, _)| (number, (tail, coordinates))));
         });
-        let mut places = vec![0; candidate.shapes.len()];
-        self.for_each(backgrounds, candidate, &mut |k, _, gram, s| {
-            let tail = &mut tails[k][places[k]];
-            places[k] += 1;
-            if tail.ln_weight + 0.5 * tail.statistic - top[k] > NEGLIGIBLE {
-                tail.evidence = gram.evidence(s);
-            }
-        });
-        tails
     }
-
-    fn for_each(&self, backgrounds: &[Background], candidate: &Candidate, f: &mut Visit<'_>) {
-        for (background, scan) in backgrounds.iter().zip(&self.scans) {
-            let Some(scan) = scan else { continue };
-            scan.for_each(&background.projection.residuals, &mut |tried, gram, s| {
-                let is_it = |own: &f64| same(*own, tried.shape);
-                if let Some(k) = candidate.shapes.iter().position(is_it) {
-                    f(k, background.ln_weight, gram, s);
-                }
-            });
-        }
-    }
+    all
 }
 
 impl Tail {
@@ -171,28 +179,32 @@ impl Tail {
 /// The columns of each shape.
 type Columns = Vec<(f64, Vec<Vec<f64>>)>;
 
+/// The columns of all shapes.
+fn raw(set: &CurveSet, candidate: &Candidate) -> Columns {
+    let shapes = candidate.shapes.iter();
+    shapes
+        .map(|&shape| (shape, set.columns(candidate, shape)))
+        .collect()
+}
+
 /// Turns the columns of all shapes.
 fn turn(background: &Background, raw: &Columns) -> Columns {
     let turned = |columns: &Vec<Vec<f64>>| {
-        columns
-            .iter()
-            .map(|c| background.whitening.turned(c))
-            .collect()
+        let turned = columns.iter().map(|c| background.whitening.turned(c));
+        turned.collect()
     };
-    raw.iter()
-        .map(|(shape, columns)| (*shape, turned(columns)))
+    let all = raw.par_iter();
+    all.map(|(shape, columns)| (*shape, turned(columns)))
         .collect()
 }
 
 /// Whitens the turned columns of all shapes.
-fn scan(background: &Background, candidate: &Candidate, turned: &Columns) -> Option<FixedScan> {
+fn scan_of(background: &Background, candidate: &Candidate, turned: &Columns) -> Option<FixedScan> {
     let whitened = |shape: f64| {
         let columns = turned.iter().find(|(own, _)| same(*own, shape));
         let columns = columns.map_or(&[][..], |(_, columns)| columns);
-        columns
-            .iter()
-            .map(|column| background.whitening.scaled(column))
-            .collect()
+        let whitened = columns.iter().map(|c| background.whitening.scaled(c));
+        whitened.collect()
     };
     FixedScan::new(
         candidate.hypothesis,

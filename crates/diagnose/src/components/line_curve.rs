@@ -26,6 +26,7 @@ pub(crate) fn diagnose_line_curve(
     noise_um: Option<f64>,
     machine: &Machine,
     name: &str,
+    notices: &mut Vec<String>,
 ) -> Option<Vec<Cause>> {
     let axis = comparison.line()?;
     if lines(comparison).iter().any(|line| *line > 0) {
@@ -78,9 +79,10 @@ pub(crate) fn diagnose_line_curve(
     let largest = nodes.windows(2).map(|pair| pair[1] - pair[0]);
     let largest = largest.fold(0.0, f64::max);
     let set = CurveSet::of_line(axis, content, component, nodes, values, variances);
-    if largest > MOST_STEPS_APART * set.step() {
+    if largest > MOST_STEPS_APART * set.measured_step() {
         return None;
     }
+    notices.extend(set.notice(name));
     let mut causes = Search::new(&scene_of(machine, vec![axis]), vec![set]).causes();
     for cause in &mut causes {
         cause.data = vec![format!("mean curve of {name}")];

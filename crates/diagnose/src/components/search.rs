@@ -11,7 +11,7 @@ use crate::components::candidates::{Candidate, SCALE, candidates, shows_its_wave
 use crate::components::curve_set::CurveSet;
 use crate::components::estimate::{Estimate, estimate};
 use crate::components::family::{Family, LEVEL};
-use crate::components::judgement::Judgement;
+use crate::components::judgement::{Judgement, scan};
 use crate::components::report;
 use crate::components::smooth_prior::{SmoothLikelihood, SmoothPrior};
 use crate::selection::{Fit, Null, Scan, Score, by_evidence, cosine, is_rival};
@@ -87,6 +87,7 @@ impl<'a> Search<'a> {
         each.for_each(|(search, judged)| {
             search.select(judged, family);
             search.confirm(family);
+            search.tell_aliases_apart();
         });
         let pairs = pairs.into_iter().filter_map(|(straightness, angle)| {
             let (a, b) = (&self.sets[straightness], &self.sets[angle]);
@@ -215,8 +216,8 @@ impl SetSearch {
         let Some(likely) = most_likely(&judged.backgrounds) else {
             return;
         };
-        for (candidate, judgement) in self.candidates.iter().zip(&judged.judgements) {
-            let Some(scan) = judgement.scan(likely, candidate) else {
+        for candidate in &self.candidates {
+            let Some(scan) = scan(&self.set, likely, candidate) else {
                 continue;
             };
             let tests = if candidate.shapes.len() == 1 {

@@ -143,6 +143,11 @@ impl Gram {
         self.most_likely_width(s).1
     }
 
+    /// The same from the coordinates ([`Self::standardised`]).
+    pub(crate) fn evidence_of(coordinates: &[(f64, f64)]) -> f64 {
+        best_width(coordinates, |gained, ln_price| gained - ln_price).1
+    }
+
     /// The posterior mean of the parameters with that prior: what the data hardly see stays near zero,
     /// so that it predicts well where other data see it.
     pub(crate) fn shrunk(&self, s: &[f64]) -> Vec<f64> {
@@ -160,49 +165,52 @@ impl Gram {
     /// With that prior and the variance of the noise as likely as can be (restricted maximum likelihood): `w²` and `2 ln` of the likelihood
     /// ratio `max_w -ν ln(1 - Σ z² x/(1 + x)/ν) - Σ ln(1 + x)`, `x = w² g`, where all squares have `ν` degrees of freedom and are as many.
     pub(crate) fn restricted_likelihood(&self, s: &[f64], dof: f64) -> (f64, f64) {
-        self.best_width(s, |gained, ln_price| {
+        best_width(&self.coordinates(s), |gained, ln_price| {
             -dof * (1.0 - gained / dof).max(f64::MIN_POSITIVE).ln() - ln_price
         })
     }
 
-    /// `w²` and `2 ln` of the marginal likelihood ratio there.
-    fn most_likely_width(&self, s: &[f64]) -> (f64, f64) {
-        self.best_width(s, |gained, ln_price| gained - ln_price)
+    fn coordinates(&self, s: &[f64]) -> Vec<(f64, f64)> {
+        self.standardised(s).collect()
     }
 
-    /// The variance of the prior where a likelihood of what it gains and what it costs is largest, and that.
-    fn best_width(&self, s: &[f64], likelihood: impl Fn(f64, f64) -> f64) -> (f64, f64) {
-        let coordinates: Vec<(f64, f64)> = self.standardised(s).collect();
-        let at = |variance: f64| -> f64 {
-            let (mut gained, mut price, mut ln_price) = (0.0, 1.0, 0.0);
-            for &(g, z) in &coordinates {
-                let x = variance * g;
-                gained += z * z * x / (1.0 + x);
-                price *= 1.0 + x;
-                // One logarithm of the product: the logarithm is the expensive part.
-                if price > LARGE {
-                    ln_price += price.ln();
-                    price = 1.0;
-                }
-            }
-            likelihood(gained, ln_price + price.ln())
-        };
-        let Some(largest) = self.values.iter().copied().reduce(f64::max) else {
-            return (0.0, 0.0);
-        };
-        // From a width that is a tenth of the uncertainty to one that the largest estimate has.
-        let top: f64 = coordinates.iter().map(|&(g, z)| z * z / g).sum();
-        let (low, high) = (0.01 / largest, (4.0 * top).max(0.02 / largest));
-        let ratio = (high / low).powf(1.0 / WIDTHS as f64);
-        let candidates = std::iter::successors(Some(low), |width| Some(width * ratio));
-        let candidates = candidates.take(WIDTHS + 1);
-        candidates
-            .map(|variance| (variance, at(variance)))
-            .fold(
-                (0.0, 0.0),
-                |best, next| if next.1 > best.1 { next } else { best },
-            )
+    /// `w²` and `2 ln` of the marginal likelihood ratio there.
+    fn most_likely_width(&self, s: &[f64]) -> (f64, f64) {
+        best_width(&self.coordinates(s), |gained, ln_price| gained - ln_price)
     }
+}
+
+/// The variance of the prior where a likelihood of what it gains and what it costs is largest, and that.
+fn best_width(coordinates: &[(f64, f64)], likelihood: impl Fn(f64, f64) -> f64) -> (f64, f64) {
+    let at = |variance: f64| -> f64 {
+        let (mut gained, mut price, mut ln_price) = (0.0, 1.0, 0.0);
+        for &(g, z) in coordinates {
+            let x = variance * g;
+            gained += z * z * x / (1.0 + x);
+            price *= 1.0 + x;
+            // One logarithm of the product: the logarithm is the expensive part.
+            if price > LARGE {
+                ln_price += price.ln();
+                price = 1.0;
+            }
+        }
+        likelihood(gained, ln_price + price.ln())
+    };
+    let Some(largest) = coordinates.iter().map(|(g, _)| *g).reduce(f64::max) else {
+        return (0.0, 0.0);
+    };
+    // From a width that is a tenth of the uncertainty to one that the largest estimate has.
+    let top: f64 = coordinates.iter().map(|&(g, z)| z * z / g).sum();
+    let (low, high) = (0.01 / largest, (4.0 * top).max(0.02 / largest));
+    let ratio = (high / low).powf(1.0 / WIDTHS as f64);
+    let candidates = std::iter::successors(Some(low), |width| Some(width * ratio));
+    let candidates = candidates.take(WIDTHS + 1);
+    candidates
+        .map(|variance| (variance, at(variance)))
+        .fold(
+            (0.0, 0.0),
+            |best, next| if next.1 > best.1 { next } else { best },
+        )
 }
 
 /// A product that is as far from the largest number as it needs to be.

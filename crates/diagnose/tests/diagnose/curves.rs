@@ -280,6 +280,25 @@ fn two_effects_are_both_found() {
     assert_eq!(names, ["cyclic_error", "scale_error"]);
 }
 
+/// Every second of 111 positions 4 mm apart shows a wave of 9.1 mm as one of 66 mm. The normal error of its period exceeds four standard
+/// uncertainties with 6e-5; the seed is fixed.
+#[test]
+fn a_calibration_with_many_positions_shows_short_waves() {
+    let mut scenario = linear_machine(&mut generator(7));
+    scenario.repeats = 1;
+    scenario.runs[0].sweep.as_mut().unwrap().step = 4.0;
+    add(&mut scenario, "X", "EXX", sine(3.0, 9.1, 25.0, true));
+    let diagnosis = diagnosed(&scenario, 7);
+    let [cause] = named(&diagnosis)[..] else {
+        panic!("{:?}", named(&diagnosis));
+    };
+    assert_eq!(cause.effect.effect.id, "cyclic_error");
+    let period = cause.parameters.iter().find(|p| p.name == "period");
+    let period = period.unwrap();
+    let error = (period.value - 9.1).abs();
+    assert!(period.u > 0.0 && error < 4.0 * period.u, "{period:?}");
+}
+
 /// At most 1 % of the machines; more than 2 of 40 come with a probability of 7e-3 at that rate.
 #[test]
 #[ignore = "study: 40 diagnoses"]

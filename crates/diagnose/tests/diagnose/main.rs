@@ -18,6 +18,7 @@ mod lines;
 mod loosening;
 mod machines;
 mod made_points;
+mod many_positions;
 mod odd;
 mod orders;
 mod periods;

@@ -1,0 +1,133 @@
+//! Waves of a curve of which not all positions were used: the kept ones, `H` apart, show a wave of the frequency `f` as they show
+//!
+//! ```text
+//! |m/H ± f|      m = 1, 2, …
+//! ```
+//!
+//! up to what the measured positions tell. Each is fitted to the kept positions, where all are alike; those between decide:
+//! what is left there beside the straight line between what is left at their kept neighbours.
+
+use std::f64::consts::TAU;
+
+use trueaxis_effects::Shape;
+
+use crate::Rival;
+use crate::components::candidates::{Candidate, measured_most};
+use crate::components::curve_set::{CurveSet, Thinned};
+use crate::components::estimate::{Estimate, estimate};
+use crate::components::search::SetSearch;
+use crate::selection::{DECISIVE, add};
+
+/// Waves of a turn are whole, to this.
+const WHOLE: f64 = 1e-6;
+
+impl SetSearch {
+    /// Each wave that was found with the period that all positions show best, and those that they show as well as its rivals.
+    pub(crate) fn tell_aliases_apart(&mut self) {
+        let Some(thinned) = self.set.thinned.clone() else {
+            return;
+        };
+        let mut left = thinned.values.clone();
+        for i in 0..self.found.len() {
+            let (candidate, shape) = (&self.found[i].candidate, self.found[i].estimate.shape);
+            let backgrounds = self.backgrounds(Some(i));
+            let own = |shape: f64| {
+                let own = estimate(&self.set, &backgrounds, candidate, shape);
+                let without = without(&self.set, &thinned, candidate, &own, &left);
+                (squares_between(&self.set, &thinned, &without), own, without)
+            };
+            let mut all: Vec<(f64, Estimate, Vec<f64>)> = vec![own(shape)];
+            all.extend(aliases(&self.set, candidate, shape).into_iter().map(own));
+            all.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let between =
+                (self.set.components.len() * (thinned.nodes.len() - self.set.nodes.len())) as f64;
+            let least = all[0].0;
+            let worse = |squares: f64| match squares > least {
+                true => between * (squares / least).ln(),
+                false => 0.0,
+            };
+            let bic = self.found[i].score.bic;
+            let as_good = all[1..]
+                .iter()
+                .take_while(|other| worse(other.0) < DECISIVE);
+            let rivals = as_good.map(|(squares, own, _)| Rival::Effect {
+                effect: candidate
+                    .hypothesis
+                    .resolved(own.parameters.clone(), own.shape),
+                delta_bic: bic + worse(*squares),
+            });
+            let rivals: Vec<Rival> = rivals.collect();
+            let (_, best, without) = all.swap_remove(0);
+            left = without;
+            self.found[i].estimate = best;
+            self.found[i].rivals.extend(rivals);
+        }
+    }
+}
+
+/// What else the kept positions show as a shape.
+fn aliases(set: &CurveSet, candidate: &Candidate, shape: f64) -> Vec<f64> {
+    let of_shape: fn(f64) -> f64 = match candidate.hypothesis.effect.shape {
+        Shape::Period => f64::recip,
+        Shape::Waves => |waves| waves / TAU,
+        _ => return Vec::new(),
+    };
+    let (frequency, sampling, most) = (of_shape(shape), set.step().recip(), measured_most(set));
+    let multiples = std::iter::successors(Some(sampling), |m| Some(m + sampling));
+    let multiples = multiples.take_while(|m| m - frequency <= most);
+    let both = multiples.flat_map(|m| [m - frequency, m + frequency]);
+    let told = both.filter(|f| *f <= most);
+    match candidate.hypothesis.effect.shape {
+        Shape::Period => told.map(f64::recip).collect(),
+        _ => {
+            let waves = told.map(|f| f * TAU);
+            let whole = waves.filter(|waves| (waves - waves.round()).abs() < WHOLE * waves);
+            whole.map(f64::round).collect()
+        }
+    }
+}
+
+/// Values at all positions less what an effect with its values does there.
+fn without(
+    set: &CurveSet,
+    thinned: &Thinned,
+    candidate: &Candidate,
+    own: &Estimate,
+    values: &[f64],
+) -> Vec<f64> {
+    let mut left = values.to_vec();
+    let columns = set.columns_at(&thinned.nodes, candidate, own.shape);
+    for (column, value) in columns.iter().zip(&own.parameters) {
+        add(&mut left, column, -value);
+    }
+    left
+}
+
+/// Squares of what stands beside the straight lines between kept positions of a side, all curves together.
+fn squares_between(set: &CurveSet, thinned: &Thinned, values: &[f64]) -> f64 {
+    let nodes = &thinned.nodes;
+    let mut squares = 0.0;
+    for curve in values.chunks_exact(nodes.len()) {
+        for side in [1.0, -1.0] {
+            let of_side = |node: &(f64, f64)| node.1 * side > 0.0;
+            let all = nodes.iter().zip(curve).filter(|(node, _)| of_side(node));
+            let all: Vec<(f64, f64)> = all.map(|(node, value)| (node.0, *value)).collect();
+            let kept: Vec<f64> = set
+                .nodes
+                .iter()
+                .filter(|n| of_side(n))
+                .map(|n| n.0)
+                .collect();
+            let is_kept = |at: f64| kept.binary_search_by(|own| own.total_cmp(&at)).is_ok();
+            let kept: Vec<(f64, f64)> =
+                all.iter().copied().filter(|(at, _)| is_kept(*at)).collect();
+            for pair in kept.windows(2) {
+                let [(from, a), (to, b)] = [pair[0], pair[1]];
+                let between = all.iter().filter(|(at, _)| from < *at && *at < to);
+                let off = between.map(|(at, y)| y - a - (b - a) * (at - from) / (to - from));
+                squares += off.map(|off| off * off).sum::<f64>();
+            }
+        }
+    }
+    squares
+}
