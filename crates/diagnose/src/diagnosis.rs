@@ -201,7 +201,8 @@ pub struct Unexplained {
     pub rms_um: f64,
     /// Its share of the misfit of its level, 0 to 1.
     pub share: f64,
-    /// What it varies with: `time`, `position`, `station`, `target`, `direction`.
+    /// What it varies with: `time`, `position`, `station`, `target`, `direction`, `cycle`; `reading` where many readings are off by
+    /// themselves.
     pub varies_with: Vec<&'static str>,
     /// In words, with a period where there is one.
     pub note: String,

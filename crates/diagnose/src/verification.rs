@@ -21,6 +21,7 @@ pub(crate) mod base;
 mod believed;
 pub(crate) mod comparison;
 mod competition;
+mod doubted;
 mod given_once;
 mod gross_error;
 mod gross_errors;

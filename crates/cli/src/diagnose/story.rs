@@ -135,7 +135,10 @@ fn wanders(disturbance: &Disturbance, scene: &Scene) -> Vec<String> {
 fn to_do(varies_with: &[&str]) -> &'static str {
     let has = |what: &str| varies_with.contains(&what);
     // What goes with time is looked for around the machine, what goes with the side or the place in it.
-    if has("time") || has("cycle") || varies_with.is_empty() {
+    if has("reading") {
+        "see how these readings were taken and written down (too early, another target, digits, sign), correct or leave them out, \
+         and diagnose the rest"
+    } else if has("time") || has("cycle") || varies_with.is_empty() {
         "look for what changes like this (a warm-up, air conditioning, neighbours, the instrument's mount, the floor) \
          before the calibration is used"
     } else if has("direction") || has("direction in time") {

@@ -33,6 +33,8 @@ pub(crate) struct Arrival {
     pub(crate) value_um: f64,
     /// Readings in it.
     pub(crate) readings: usize,
+    /// The line of the first of them in the table.
+    pub(crate) line: usize,
     /// For each axis the side from which it came, +1 or -1; 0 for an axis that stands.
     pub(crate) sides: Vec<f64>,
     /// For each axis its speed, mm/s or rad/s.
@@ -79,6 +81,7 @@ pub(crate) fn arrivals(readings: &[VerificationReading], measured: Option<usize>
                 positions: reading.positions.clone(),
                 value_um: reading.value_um,
                 readings: 1,
+                line: reading.line,
                 sides: vec![0.0; reading.positions.len()],
                 speeds_per_s: vec![0.0; reading.positions.len()],
             });

@@ -12,7 +12,8 @@
 //! is not clear, and what came before the last clear one counts, too (Rosner 1983, generalised extreme studentised deviates). Each is
 //! then judged beside all others. Three in a row, more than a few, or those after which readings stay where they were are no slips but
 //! structure, and stay; so do those that other arrivals explain nearly as well. Of two readings of a position neither is told from the
-//! other, and both go: one of them is wrong, and what is left is in order.
+//! other, and both go: one of them is wrong, and what is left is in order. More than a few go if each stands alone and is plainly wrong
+//! ([`far_off`]); otherwise it is said that many are doubtful.
 
 use nalgebra::{DMatrix, DVector};
 use trueaxis_campaign::Verification;
@@ -20,6 +21,7 @@ use trueaxis_campaign::Verification;
 use crate::selection::{Projection, dot, ln_f_test};
 use crate::verification::base::{cells, passes};
 use crate::verification::comparison::Comparison;
+use crate::verification::doubted::{far_off, mistakes};
 use crate::verification::gross_error::{Contradicts, GrossError};
 use crate::verification::noise_floor::scatter;
 use crate::verification::resolution::resolution_um;
@@ -35,7 +37,12 @@ const HIDDEN: f64 = 1e-3;
 const MOST: f64 = 0.03;
 
 /// Slips in a row, at most: more are structure.
-const MOST_IN_A_ROW: usize = 2;
+pub(crate) const MOST_IN_A_ROW: usize = 2;
+
+/// More than a few are slips all the same if each stands alone, as far off as this in standard uncertainties, and they are no more than
+/// one in so many.
+const PLAINLY: f64 = 20.0;
+const ONE_IN: usize = 10;
 
 /// Arrivals before and after a slip that say where the readings were and where they stay.
 const NEIGHBOURS: usize = 4;
@@ -72,11 +79,17 @@ pub(crate) fn gross_errors(
         resolution_um: resolution_um(comparison.arrivals.iter().map(|a| a.value_um))
             .unwrap_or_default(),
     };
-    let Some(found) = screen.found(MOST_IN_A_ROW * most) else {
+    let far = far_off(comparison, &comparison.difference_um);
+    let are_many = mistakes(comparison, &far) > most as f64;
+    let found = match are_many {
+        true => screen.isolated(&far),
+        false => screen.found(MOST_IN_A_ROW * most),
+    };
+    let Some(found) = found else {
         return Vec::new();
     };
     let rows: Vec<&[Slip]> = found.chunk_by(|a, b| a.arrival + 1 == b.arrival).collect();
-    if rows.len() > most {
+    if rows.len() > most && !are_many {
         return Vec::new();
     }
     let without: Vec<usize> = found.iter().map(|slip| slip.arrival).collect();
@@ -165,6 +178,20 @@ impl Screen<'_> {
             self.is_clear(&tested).then_some(tested.slips)
         });
         Some(judged.flatten().collect())
+    }
+
+    /// Those that are far off, if each is plainly wrong and none follows another.
+    fn isolated(&self, far: &[(usize, f64)]) -> Option<Vec<Slip>> {
+        let arrivals: Vec<usize> = far.iter().map(|(arrival, _)| *arrival).collect();
+        let are_few = ONE_IN * arrivals.len() <= self.comparison.arrivals.len();
+        let are_alone = arrivals.windows(2).all(|two| two[0] + 1 < two[1]);
+        let left = self.model.degrees_of_freedom - arrivals.len() as f64;
+        if !are_few || !are_alone || left < LEAST_DEGREES_OF_FREEDOM {
+            return None;
+        }
+        let slips = Tested::new(&self.model, &arrivals, self.resolution_um)?.slips;
+        let is_plain = |slip: &Slip| slip.error_um.abs() > PLAINLY * slip.u_um;
+        slips.iter().all(is_plain).then_some(slips)
     }
 
     /// The arrivals in their order. Beside the offset of their pass, two that are wrong of three or four are the others that are wrong
@@ -331,10 +358,10 @@ impl Tested {
             let taken = dot(left.shared_row(arrivals[i]), left.shared_row(arrivals[k]));
             f64::from(u8::from(i == k)) - taken
         });
-        if m.determinant() <= LEAST_REDUNDANCY {
+        let inverse = m.try_inverse()?;
+        if (0..rank).any(|k| !(0.0..LEAST_REDUNDANCY.recip()).contains(&inverse[(k, k)])) {
             return None;
         }
-        let inverse = m.try_inverse()?;
         let e = DVector::from_fn(rank, |k, _| left.residuals[arrivals[k]]);
         let errors = &inverse * &e;
         let drop = errors.dot(&e);

@@ -6,6 +6,7 @@ use crate::engine::{Chosen, Omnibus, without};
 use crate::said::Entry;
 use crate::selection::{Part, Projection, add};
 use crate::verification::competition::{Model, compete, only};
+use crate::verification::doubted::doubted;
 use crate::verification::held_out::{HeldOut, gain, held_out};
 use crate::verification::lost_motion::FORMS;
 use crate::verification::omnibus::{omnibus, repeats_with_cycle};
@@ -97,7 +98,8 @@ impl<'a> Series<'a> {
             (wandering, &course),
         );
         let is_plain = chosen.is_empty() && wandering.is_empty();
-        let unexplained = unexplained(problem, &after, &tests_after)
+        let unexplained = doubted(problem, &after)
+            .or_else(|| unexplained(problem, &after, &tests_after))
             .or_else(|| is_plain.then(|| impossible(problem)).flatten());
         let of_causes = chosen.iter().map(std::slice::from_ref);
         let of_causes = of_causes.map(|cause| Part::Free(problem.listed.columns(cause)));

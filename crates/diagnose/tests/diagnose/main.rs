@@ -19,6 +19,7 @@ mod loosening;
 mod machines;
 mod made_points;
 mod many_positions;
+mod many_slips;
 mod odd;
 mod orders;
 mod periods;
