@@ -105,7 +105,9 @@ impl Adjustment for GroupAdjustment<'_> {
         s: &[f64],
         next: &mut State,
     ) -> (f64, Result<Reduced, LeastSquaresError>) {
-        self.step_and(Some(Gauge::Free), from, (s, 1.0), next)
+        let (squares, reduced) = self.step_and(Some(Gauge::Free), from, (s, 1.0), next);
+        let reduced = reduced.map(|reduced| observed(reduced, &self.known_rows(next)));
+        (squares, reduced)
     }
 
     fn free_motions(&self, state: &State) -> Vec<Vec<f64>> {
@@ -136,7 +138,7 @@ impl GroupAdjustment<'_> {
         Ok(observed(self.pass(pass, parts).1?, &self.known_rows(state)))
     }
 
-    /// Makes a step and, with a gauge, linearises all where it leads.
+    /// Makes a step and, with a gauge, linearises all lengths where it leads.
     fn step_and(
         &self,
         gauge: Option<Gauge>,
@@ -145,8 +147,8 @@ impl GroupAdjustment<'_> {
         next: &mut State,
     ) -> (f64, Result<Reduced, LeastSquaresError>) {
         self.step_shared(state, s, factor, next);
-        let known = self.known_rows(next);
-        let of_known: f64 = known.iter().map(|row| row.residual.powi(2)).sum();
+        let known = self.known_rows(next).into_iter();
+        let of_known: f64 = known.map(|row| row.residual.powi(2)).sum();
         let groups = groups_of(&self.batches, &pieces(self.batches.len()));
         let ends = &self.network.groups;
         let of_points = groups
@@ -174,7 +176,6 @@ impl GroupAdjustment<'_> {
             gauge,
         };
         let (squares, reduced) = self.pass(pass, parts.collect());
-        let reduced = reduced.map(|reduced| observed(reduced, &known));
         (squares + of_known, reduced)
     }
 
