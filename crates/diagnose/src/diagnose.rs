@@ -59,7 +59,12 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
         with_points(&mut diagnosis, campaign, points, settings)?;
     }
     let calibration = diagnosis.calibration.as_ref();
-    let predicts = calibration.map(Calibration::calibrated_machine);
+    let mut predicts = calibration.map(Calibration::calibrated_machine);
+    let of_runs = diagnosis.causes.iter().filter(|cause| is_whole(cause));
+    let taken_out = of_runs.map(|cause| cause.effect.effect.id.to_owned());
+    if let Some(machine) = &mut predicts {
+        machine.effects_taken_out.extend(taken_out);
+    }
     with_verification(&mut diagnosis, campaign, predicts.as_ref(), settings);
     let curves = diagnosis.calibration.as_ref();
     if let Some(calibration) = curves.filter(|_| settings.explain_curves) {
@@ -198,7 +203,6 @@ fn with_lengths(
     settings: &Settings,
 ) -> Result<Option<Campaign>, Error> {
     let mut without = None;
-    let is_whole = |cause: &Cause| cause.parameters.iter().all(|p| p.u.is_finite());
     for entry in &mut said.entries {
         let causes = &mut entry.causes;
         if causes.iter().any(|cause| !is_whole(cause)) {
@@ -225,6 +229,11 @@ fn with_lengths(
     }
     diagnosis.take(said);
     Ok(without)
+}
+
+/// Whether all of a cause is seen, so that it can be taken out.
+fn is_whole(cause: &Cause) -> bool {
+    cause.parameters.iter().all(|p| p.u.is_finite())
 }
 
 /// What the points say, and the calibration without the causes and gross errors that they show.

@@ -10,7 +10,7 @@
 //! | base model | stations, poses, shapes | poses, shapes | zero of a line, set-up of a bar, errors of the prediction | error curves, places |
 //! | covariance | noise, repeatability, what wanders | noise, repeatability | that of the prediction | that of the poses |
 //! | refit | nonlinear adjustment | linear, variances anew | linear | linear |
-//! | instants | between visits | between stops | a hundred of a list, then those beside the best | none |
+//! | instants | between readings | between readings | a hundred of a list, then those beside the best | none |
 //!
 //! Common to them, here:
 //!
@@ -59,7 +59,9 @@ pub(crate) use competition::{
 pub(crate) use culprit::{Culprit, Culprits};
 pub(crate) use estimated::{cause, derivative, with_uncertainties};
 pub(crate) use held_out::{FOLDS, HeldOut, Sums, resampled_ratios, sought_again};
-pub(crate) use hypotheses::{duration_s, in_equal_ratios, is_tested, of_catalogue, scan, scans};
+pub(crate) use hypotheses::{
+    duration_s, in_equal_ratios, is_tested, leave_before_out, of_catalogue, scan, scans,
+};
 pub(crate) use listed::{Beside, Chosen, Judged, Listed, without};
 pub(crate) use measured::{Found, Measured, Suspect};
 pub(crate) use omnibus::{

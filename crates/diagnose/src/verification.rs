@@ -57,9 +57,8 @@ use trueaxis_predict::CalibratedMachine;
 
 use crate::components::diagnose_line_curve;
 use crate::said::Said;
-use crate::verification::arrivals::is_same;
 use crate::verification::base::base_columns;
-use crate::verification::comparison::{Comparison, line};
+use crate::verification::comparison::Comparison;
 use crate::verification::given_once::{given_once, keep_rows_given_once};
 use crate::verification::gross_error::GrossError;
 use crate::verification::gross_errors::gross_errors;
@@ -113,10 +112,7 @@ pub(crate) fn diagnose_verification(
         kept.push(verification);
     }
     let comparisons = kept.iter().map(|verification| {
-        let mut comparison = Comparison::new(machine, verification, calibration);
-        if calibration.is_some() {
-            comparison.parked_elsewhere = parked_elsewhere(campaign, verification);
-        }
+        let comparison = Comparison::new(machine, verification, calibration);
         (verification.name.as_str(), comparison)
     });
     let comparisons: Vec<(&str, Comparison<'_>)> = comparisons.collect();
@@ -306,28 +302,4 @@ fn positions_are_read_out(comparison: &Comparison<'_>) -> bool {
     let widest = steps().fold(0.0, f64::max);
     comparison.line().is_some()
         && 2 * steps().filter(|step| *step < NO_STEP * widest).count() > positions.len()
-}
-
-/// Axes that stand elsewhere at the readings of a line than in all steps that its axis was calibrated at.
-fn parked_elsewhere(campaign: &Campaign, verification: &Verification) -> Vec<usize> {
-    let Some(axis) = line(&verification.kind) else {
-        return Vec::new();
-    };
-    let calibrated: Vec<&[f64]> = campaign
-        .steps
-        .iter()
-        .filter(|step| step.run.is_some_and(|run| campaign.runs[run].axis == axis))
-        .map(|step| step.positions.as_slice())
-        .collect();
-    let elsewhere = |other: &usize| {
-        let read = verification.readings.iter().map(|r| r.positions[*other]);
-        *other != axis
-            && !calibrated.is_empty()
-            && read
-                .clone()
-                .all(|q| calibrated.iter().all(|at| !is_same(at[*other], q)))
-    };
-    (0..campaign.machine.axes().len())
-        .filter(elsewhere)
-        .collect()
 }

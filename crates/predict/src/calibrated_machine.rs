@@ -1,5 +1,7 @@
 //! The noun: a machine with its errors.
 
+use std::collections::BTreeMap;
+
 use trueaxis_kinematics::{
     GeometricErrors, LocationComponent, LocationError, Machine, MotionError,
 };
@@ -21,6 +23,9 @@ pub struct CalibratedMachine {
     pub campaign: String,
     /// Names of effects that were taken out of the lengths first.
     pub effects_taken_out: Vec<String>,
+    /// For each measured axis where the axes of the machine stood meanwhile, mean over its positions, mm or rad (0 for its own):
+    /// what they did to it is in its curves. One that is missing stands for home.
+    pub parked: BTreeMap<usize, Vec<f64>>,
     /// Whether it is known how well the errors are known: a calibration that another system made may not say. Without it every
     /// standard uncertainty and covariance is NaN.
     pub has_uncertainties: bool,
@@ -73,6 +78,7 @@ impl CalibratedMachine {
             name: String::new(),
             campaign: String::new(),
             effects_taken_out: Vec::new(),
+            parked: BTreeMap::new(),
             has_uncertainties: true,
             dof: f64::INFINITY,
             axes: calibrated_axes(&machine, axes, &factors),

@@ -57,7 +57,7 @@ pub use factored_covariance::FactoredCovariance;
 pub use files::predicted_csv::{ERROR_COLUMNS, to_csv};
 pub use files::read_error::{CovarianceProblem, ReadError};
 pub use interpolation::{Node, weights_at};
-pub use output::{Output, OutputCovariance, Unit, position_in_file};
+pub use output::{Output, OutputCovariance, Unit, position_in_file, positions_in_file};
 pub use pivoted_cholesky::pivoted_cholesky;
 pub use predict::Prediction;
 pub use readings::{

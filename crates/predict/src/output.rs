@@ -1,9 +1,11 @@
 //! The numbers of a calibration: their names, units and covariance.
 
+use std::collections::BTreeMap;
+
 use nalgebra::DMatrix;
 use trueaxis_campaign::Direction;
 use trueaxis_files::round;
-use trueaxis_kinematics::{ARCSEC, AxisKind, Component, LocationComponent, MICROMETRE};
+use trueaxis_kinematics::{ARCSEC, AxisKind, Component, LocationComponent, MICROMETRE, Machine};
 
 use crate::factored_covariance::FactoredCovariance;
 
@@ -147,6 +149,18 @@ impl Unit {
             Self::Millimetre => "mm",
         }
     }
+}
+
+/// Where the axes of a machine stand that are not at home (mm or rad), by name, as files have it; `None` if none is.
+pub fn positions_in_file(machine: &Machine, positions: &[f64]) -> Option<BTreeMap<String, f64>> {
+    let all = machine.axes().iter().zip(positions);
+    let away = all.filter(|(_, position)| position.abs() > 0.0);
+    let in_file = away.map(|(axis, &position)| {
+        let position = round(position_in_file(axis.kind(), position), 6);
+        (axis.name().to_owned(), position)
+    });
+    let away: BTreeMap<String, f64> = in_file.collect();
+    (!away.is_empty()).then_some(away)
 }
 
 /// A commanded position (mm or rad) as files have it, mm or degrees.

@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use trueaxis_campaign::Direction;
 use trueaxis_files::{round, significant, value_to_json, without_nulls};
-use trueaxis_kinematics::{ARCSEC, Component, MICROMETRE};
+use trueaxis_kinematics::{ARCSEC, Component, MICROMETRE, Machine};
 use trueaxis_poses::{
     KnownMisfit, Method, ReflectorConstant, ScaleBasis, ScaleResult, SideDifference, StepMisfit,
 };
@@ -20,18 +20,12 @@ use crate::result::calibration::{
     AxisResult, Calibration, LocationResult, RelativeLocation, RelativeQuantity, RunMisfit,
     StationResult, TargetResult, Traceability, TriangleSide,
 };
-use trueaxis_predict::{Unit, position_in_file};
+use trueaxis_predict::{Unit, position_in_file, positions_in_file};
 
 impl Calibration {
     /// The text of `calibration.json`, version 1.
     ///
-    /// Optional fields beyond the fixed ones: `p_value` and `uncertainty_factor` of the
-    /// adjustment, `direction` of each position where the sides of approach are kept apart,
-    /// `reflectors` with their constants (relative to the mean where no dead path is known) and their correlations,
-    /// `scale` where it is an unknown, `uncertainty_contains` and `uncertainty_lacks`, `noise_gain` of each axis where equations were solved, `u_ratio` where they
-    /// were not (what they would lose), `dof` (degrees of freedom of u, the least of a curve; absent if
-    /// infinite) and `budget` (shares of u², mean of a curve) of each error, `misfits`, `triangle`,
-    /// `effects_taken_out` where there are any, `notices`.
+    /// Its fields are in `docs/formats.md`; those that say nothing are left out.
     pub fn to_json(&self) -> String {
         let target =
             |t: &TargetResult| json!({ "name": t.name, "position_mm": point(t.position_mm) });
@@ -59,7 +53,7 @@ impl Calibration {
             "uncertainty_contains": self.uncertainty.contains,
             "uncertainty_lacks": self.uncertainty.lacks,
             "targets": self.targets.iter().map(target).collect::<Value>(),
-            "axes": self.axes.iter().map(axis).collect::<Value>(),
+            "axes": self.axes.iter().map(|own| axis(own, &self.machine)).collect::<Value>(),
             "location_errors": locations.collect::<Value>(),
             "relative_locations": unless_empty(&self.relative_locations, relative_location),
             "misfits": misfits.collect::<Value>(),
@@ -122,7 +116,7 @@ fn scale(scale: ScaleResult) -> Value {
     })
 }
 
-fn axis(axis: &AxisResult) -> Value {
+fn axis(axis: &AxisResult, machine: &Machine) -> Value {
     let nodes = axis.nodes.iter();
     let positions = nodes
         .clone()
@@ -136,6 +130,7 @@ fn axis(axis: &AxisResult) -> Value {
         "positions": positions.collect::<Value>(),
         "direction": (!directions.is_empty()).then_some(directions),
         "reference_point_mm": point(axis.reference_point_mm),
+        "parked": positions_in_file(machine, &axis.parked),
         "components": by_component(axis, |c| curve(axis, c)),
         "noise_gain": axis.noise_gain.map(|gains| by_component(axis, |c| noise_gain(&gains, c))),
         "u_ratio": axis.u_ratio.map(|loss| {

@@ -7,7 +7,7 @@
 //! of its lines and anchors.
 
 use nalgebra::{DMatrix, Isometry3, Matrix3, Matrix3xX, Point3, RowDVector, Vector3};
-use trueaxis_kinematics::{AxisKind, GeometricErrors};
+use trueaxis_kinematics::{AxisKind, GeometricErrors, Twist};
 
 use crate::identify::basis::Basis;
 use crate::identify::context::{Context, ModelErrors};
@@ -15,7 +15,6 @@ use crate::identify::frame::SmallMotion;
 use crate::identify::identify_axes::Identified;
 use crate::propagate::base_response::BaseResponse;
 use crate::propagate::sources::Sources;
-use trueaxis_kinematics::Twist;
 use trueaxis_kinematics::axis_twist::{AXIS_ERRORS, SHIFT, TILT, axis_twist};
 
 /// Linear maps from the sources to results; columns are the sources.

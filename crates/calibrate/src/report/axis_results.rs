@@ -86,11 +86,19 @@ fn axis_result(
             budget,
         }
     });
+    let mut parked = vec![0.0; context.machine.axes().len()];
+    for record in &own.records {
+        let share = record.weight / own.nodes.len() as f64;
+        let at = parked.iter_mut().zip(&own.runs[record.run].positions);
+        at.for_each(|(mean, position)| *mean += share * position);
+    }
+    parked[own.axis] = 0.0;
     let poses: Vec<usize> = own.records.iter().map(|record| record.pose).collect();
     AxisResult {
         name: axis.name().to_owned(),
         axis: own.axis,
         kind: axis.kind(),
+        parked,
         reference_point_mm: axis.reference_mm(),
         nodes: nodes.collect(),
         location: values.location,

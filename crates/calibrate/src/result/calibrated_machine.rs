@@ -15,6 +15,8 @@ impl Calibration {
         machine.campaign.clone_from(&self.campaign);
         let effects = self.effects.iter().map(|effect| effect.effect.clone());
         machine.effects_taken_out = effects.collect();
+        let parked = |axis: &AxisResult| (axis.axis, axis.parked.clone());
+        machine.parked = self.axes.iter().map(parked).collect();
         let dof = self.results().into_iter().map(|result| result.dof);
         machine.dof = dof.fold(f64::INFINITY, f64::min);
         machine

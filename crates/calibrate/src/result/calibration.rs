@@ -12,8 +12,7 @@ use trueaxis_poses::{
 };
 
 use crate::result::budget::Budget;
-use trueaxis_predict::FactoredCovariance;
-use trueaxis_predict::OutputCovariance;
+use trueaxis_predict::{FactoredCovariance, OutputCovariance};
 
 /// All geometric errors of a machine in its reference frame, with standard uncertainties (k = 1).
 ///
@@ -132,6 +131,8 @@ pub struct AxisResult {
     pub kind: AxisKind,
     /// Reference point of δ at home, mm.
     pub reference_point_mm: Point3<f64>,
+    /// Where each axis of the machine stood meanwhile, mean over the positions, mm or rad; 0 for this one.
+    pub parked: Vec<f64>,
     /// Component errors at each position.
     pub nodes: Vec<NodeResult>,
     /// Location errors as a whole, for prediction.

@@ -92,6 +92,13 @@ fn files_hold_the_whole_machine() {
             let machine = read(folder.path()).unwrap();
             assert_same_predictions(&calibration.calibrated_machine(), &machine, 1e-5);
             assert_eq!(machine.campaign, campaign.name);
+            // X with Y at 110; Y at 0 and 300 with X at 250 and 60, in between with one of these; C with both at home.
+            let parked = &machine.parked;
+            assert_eq!(
+                (&parked[&0], &parked[&2]),
+                (&vec![0.0, 110.0, 0.0], &vec![0.0; 3])
+            );
+            assert!((parked[&1][0] - 155.0).abs() < 5.0 && parked[&1][1..] == [0.0; 2]);
             assert_eq!(npz(&calibration), npz(&calibration));
         }
     }

@@ -27,6 +27,8 @@ pub(crate) struct Finer<'a> {
     pub(crate) columns: ColumnsAt<'a>,
     /// All gaps in which an instant may lie, s, the first one first; `None` for a shape that may have any value.
     pub(crate) gaps_s: Option<Vec<[f64; 2]>>,
+    /// Of these as many on either side of an instant as it may be in, too.
+    pub(crate) nearby: usize,
     /// The shortest that is told from others. One of the list below it stands alone, and may as well be shorter: of waves of two
     /// steps the positions show one phase, and beside them the other one would fit with any size.
     pub(crate) shortest: f64,
@@ -34,9 +36,6 @@ pub(crate) struct Finer<'a> {
 
 /// Whitened columns of a shape.
 type ColumnsAt<'a> = Box<dyn Fn(f64) -> Vec<Vec<f64>> + Send + Sync + 'a>;
-
-/// Gaps on either side of an instant in which it may be, too: what is farther off fits so much worse, unless hardly anything shows.
-const GAPS_NEARBY: usize = 60;
 
 /// Part of the level at which a free form is preferred to its mean and slope.
 const FREE_FORM: f64 = 0.1;
@@ -92,9 +91,10 @@ impl Candidate<'_> {
 
     /// Standard deviation of an instant over its marginal likelihood in the gaps nearby.
     pub(super) fn u_instant(&self, model: &Projection, instant: f64) -> Option<f64> {
-        let all = self.finer.as_ref()?.gaps_s.as_ref()?;
+        let finer = self.finer.as_ref()?;
+        let all = finer.gaps_s.as_ref()?;
         let own = all.iter().position(|gap| middle(gap) >= instant)?;
-        let near = own.saturating_sub(GAPS_NEARBY)..all.len().min(own + GAPS_NEARBY + 1);
+        let near = own.saturating_sub(finer.nearby)..all.len().min(own + finer.nearby + 1);
         let columns = |shape: f64| self.columns(shape).into_owned();
         let scan = FixedScan::of_instants(self.hypothesis, model, &all[near], columns)?;
         let scans: [Box<dyn Scan>; 1] = [Box::new(scan)];

@@ -59,7 +59,8 @@ pub(crate) fn scans<D: Measured>(
 ) -> Hypotheses {
     let (columns, visits) = (data.columns(model), data.visits());
     let ready = |hypothesis: &Hypothesis| {
-        scan_at(data, projection, &columns, &visits, *hypothesis).ok_or(*hypothesis)
+        let columns = (model, &columns);
+        scan_at(data, columns, projection, &visits, *hypothesis).ok_or(*hypothesis)
     };
     let ready: Vec<_> = all.par_iter().map(ready).collect();
     let mut hypotheses = Hypotheses {
@@ -83,20 +84,25 @@ pub(crate) fn scan<D: Measured>(
     hypothesis: Hypothesis,
 ) -> Option<Box<dyn Scan>> {
     let columns = data.columns(model);
-    scan_at(data, projection, &columns, &data.visits(), hypothesis)
+    let visits = data.visits();
+    scan_at(data, (model, &columns), projection, &visits, hypothesis)
 }
 
 fn scan_at<D: Measured>(
     data: &D,
+    (model, columns): (
+        &D::Model,
+        &(impl Fn(&Hypothesis, f64) -> Vec<Vec<f64>> + Sync),
+    ),
     projection: &Projection,
-    columns: &(impl Fn(&Hypothesis, f64) -> Vec<Vec<f64>> + Sync),
     visits: &[VisitTimes],
     hypothesis: Hypothesis,
 ) -> Option<Box<dyn Scan>> {
     let columns = |shape: f64| columns(&hypothesis, shape);
     let shapes = match hypothesis.effect.shape {
         Shape::Instant => {
-            let columns = columns(f64::NEG_INFINITY);
+            let columns =
+                |is_after: &dyn Fn(usize) -> bool| data.columns_after(model, &hypothesis, is_after);
             let scan = StepScan::new(hypothesis, projection, visits, &columns)?;
             return Some(Box::new(scan));
         }
@@ -107,6 +113,15 @@ fn scan_at<D: Measured>(
     };
     let scan = FixedScan::new(hypothesis, projection, &shapes, columns)?;
     Some(Box::new(scan))
+}
+
+/// Makes columns zero in the rows that are not after something.
+pub(crate) fn leave_before_out(columns: &mut [Vec<f64>], is_after: &dyn Fn(usize) -> bool) {
+    for column in columns {
+        let rows = column.iter_mut().enumerate();
+        rows.filter(|(row, _)| !is_after(*row))
+            .for_each(|(_, value)| *value = 0.0);
+    }
 }
 
 /// `count` values from `first` on, each `ratio` times the one before; none without a first.

@@ -322,6 +322,20 @@ impl<'a> Base<'a> {
         hypothesis: &Hypothesis,
         shape: f64,
     ) -> Vec<Vec<f64>> {
+        let mut columns = self.columns_mm(observations, hypothesis, shape);
+        for column in &mut columns {
+            whitened.whiten(column);
+        }
+        columns
+    }
+
+    /// The same as they are.
+    pub(crate) fn columns_mm(
+        &self,
+        observations: &[Observation<'_>],
+        hypothesis: &Hypothesis,
+        shape: f64,
+    ) -> Vec<Vec<f64>> {
         let Hypothesis {
             effect, subject, ..
         } = hypothesis;
@@ -332,9 +346,6 @@ impl<'a> Base<'a> {
                 let moved = effect.form(subject, k, shape, &observation.at);
                 column[i] = moved.along(&observation.beam);
             }
-        }
-        for column in &mut columns {
-            whitened.whiten(column);
         }
         columns
     }

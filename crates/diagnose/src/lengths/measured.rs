@@ -3,7 +3,7 @@
 use trueaxis_effects::{Layer, Scene, Shape};
 
 use crate::Error;
-use crate::engine::{Culprit, Measured, Suspect, duration_s, in_equal_ratios};
+use crate::engine::{Culprit, Measured, Suspect, duration_s, in_equal_ratios, leave_before_out};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::swapped::swapped;
@@ -49,6 +49,21 @@ impl Measured for Base<'_> {
     ) -> impl Fn(&Hypothesis, f64) -> Vec<Vec<f64>> + Sync + 'm {
         let observations = self.observations(&model.solution);
         move |hypothesis, shape| self.columns_at(&observations, &model.whitened, hypothesis, shape)
+    }
+
+    fn columns_after(
+        &self,
+        model: &Adjusted,
+        hypothesis: &Hypothesis,
+        is_after: &dyn Fn(usize) -> bool,
+    ) -> Vec<Vec<f64>> {
+        let observations = self.observations(&model.solution);
+        let mut columns = self.columns_mm(&observations, hypothesis, f64::NEG_INFINITY);
+        leave_before_out(&mut columns, is_after);
+        columns
+            .iter_mut()
+            .for_each(|column| model.whitened.whiten(column));
+        columns
     }
 
     fn visits(&self) -> Vec<VisitTimes> {

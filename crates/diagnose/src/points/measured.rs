@@ -3,7 +3,7 @@
 use trueaxis_effects::{Scene, Shape};
 
 use crate::Error;
-use crate::engine::{Culprit, Measured, Suspect, in_equal_ratios};
+use crate::engine::{Culprit, Measured, Suspect, in_equal_ratios, leave_before_out};
 use crate::points::base::Base;
 use crate::points::model::Model;
 use crate::selection::{ALIKE, Hypothesis, Projection, Score, VisitTimes, is_rival};
@@ -47,9 +47,21 @@ impl Measured for Base<'_> {
         |hypothesis, shape| model.whitened(self, &self.columns_mm(hypothesis, shape))
     }
 
+    fn columns_after(
+        &self,
+        model: &Model,
+        hypothesis: &Hypothesis,
+        is_after: &dyn Fn(usize) -> bool,
+    ) -> Vec<Vec<f64>> {
+        let mut columns = self.columns_mm(hypothesis, f64::NEG_INFINITY);
+        leave_before_out(&mut columns, is_after);
+        model.whitened(self, &columns)
+    }
+
     fn visits(&self) -> Vec<VisitTimes> {
         let of_stop = |stop: &std::ops::Range<usize>| {
-            let times = self.readings.all[stop.clone()].iter().map(|r| r.time_s);
+            let readings = self.readings.all[stop.clone()].iter();
+            let times = readings.flat_map(|r| [r.time_s; 3]);
             VisitTimes::new(3 * stop.start..3 * stop.end, times)
         };
         self.readings.stops.iter().map(of_stop).collect()

@@ -8,102 +8,138 @@
 //! G(t0) = XᵀX - Σ_groups (OᵀX)ᵀ(OᵀX) - (TᵀX)ᵀ Σ (TᵀX)
 //! ```
 //!
-//! An instant within a visit is told from its ends by seconds only; it is not looked for.
+//! Within a visit an instant leaves out its first readings. Whitening mixes the readings of a visit, so that a cut has columns of its
+//! own, in which the first `c` rows of every visit are left out before they are whitened: one set for each `c`.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use trueaxis_leastsquares::{dot, in_widest_registers};
 
 use crate::selection::dots::{SIDE_BY_SIDE, SideBySide, add_row};
 use crate::selection::scan::{OfOne, OfSeveral, Tried};
-use crate::selection::{Gram, Hypothesis, Projection, Scan, add};
+use crate::selection::{Gram, Hypothesis, Projection, Scan, add, middle};
 
 /// Visits on either side of an instant: fewer are no jump but repeatability, or gross errors.
 const LEAST_VISITS: usize = 3;
+
+/// Cuts of visits that are tried at most: many readings of one stop are as good as some.
+const MOST_CUTS: usize = 12;
 
 /// A visit of a network, or a stop, of several in time order.
 #[derive(Debug, Clone)]
 pub(crate) struct VisitTimes {
     /// Rows of the visit.
     pub(crate) rows: Range<usize>,
+    /// When each of them was measured, s.
+    pub(crate) times_s: Vec<f64>,
     /// First and last time, s.
     pub(crate) span_s: [f64; 2],
 }
 
 impl VisitTimes {
-    pub(crate) fn new(rows: Range<usize>, times_s: impl Iterator<Item = f64> + Clone) -> Self {
-        let first = times_s.clone().fold(f64::INFINITY, f64::min);
+    pub(crate) fn new(rows: Range<usize>, times_s: impl Iterator<Item = f64>) -> Self {
+        let times_s: Vec<f64> = times_s.collect();
+        let all = || times_s.iter().copied();
+        let span_s = [
+            all().fold(f64::INFINITY, f64::min),
+            all().fold(f64::NEG_INFINITY, f64::max),
+        ];
         Self {
             rows,
-            span_s: [first, times_s.fold(f64::NEG_INFINITY, f64::max)],
+            times_s,
+            span_s,
         }
     }
+
+    /// Numbers of rows between whose times and those of the rest there is an instant.
+    fn cuts(&self) -> impl Iterator<Item = usize> + '_ {
+        let pairs = self.times_s.windows(2).enumerate();
+        pairs.filter_map(|(i, pair)| (pair[0] < pair[1]).then_some(i + 1))
+    }
 }
+
+/// Whitened columns from the beginning of time on, of those rows only that are after something.
+pub(crate) type ColumnsAfter<'a> = dyn Fn(&dyn Fn(usize) -> bool) -> Vec<Vec<f64>> + 'a;
 
 /// All instants of one hypothesis.
 pub(crate) struct StepScan {
     hypothesis: Hypothesis,
-    /// Whitened columns from the beginning of time, row after row.
-    by_rows: Vec<f64>,
+    /// Whitened columns without the first rows of each visit, row after row, for each number of these; 0 is from the beginning of
+    /// time.
+    by_rows: BTreeMap<usize, Vec<f64>>,
     parameters: usize,
+    /// The last one first.
     instants: Vec<Instant>,
 }
 
 struct Instant {
-    /// Its gap is from the start of the visit before it to that of the visit after it: it may lie in a visit.
+    /// Its gap is between two readings that show the effect.
     tried: Tried,
-    /// First row after it.
+    /// First row behind its visit, or behind itself.
     first_row: usize,
+    /// Within a visit its rows, and how many of them are before it.
+    cut: Option<(Range<usize>, usize)>,
     gram: Gram,
 }
 
 impl StepScan {
-    /// `columns` are the whitened columns from the beginning of time. `None` if no instant shows.
+    /// `None` if no instant shows.
     pub(crate) fn new(
         hypothesis: Hypothesis,
         projection: &Projection,
         visits: &[VisitTimes],
-        columns: &[Vec<f64>],
+        columns: &ColumnsAfter<'_>,
     ) -> Option<Self> {
-        let n = columns.len();
-        let rows = projection.rows();
-        let mut by_rows = vec![0.0; rows * n];
-        for (k, column) in columns.iter().enumerate() {
-            for (i, x) in column.iter().enumerate() {
-                by_rows[i * n + k] = *x;
-            }
-        }
-        let row = |i: usize| &by_rows[i * n..(i + 1) * n];
-        let concerns =
-            |visit: &VisitTimes| visit.rows.clone().any(|i| row(i).iter().any(|&x| x != 0.0));
-        let concerned: Vec<&VisitTimes> = visits.iter().filter(|v| concerns(v)).collect();
+        let by_rows = by_rows(visits, columns);
+        let n = by_rows[&0].len() / projection.rows().max(1);
+        let row = |cut: usize, i: usize| &by_rows[&cut][i * n..(i + 1) * n];
+        let concerned: Vec<Concerned<'_>> = visits
+            .iter()
+            .filter_map(|visit| Concerned::new(visit, &by_rows, n))
+            .collect();
         let mut sums = Sums::new(projection, n);
         let mut instants = Vec::new();
-        for (number, visit) in concerned.iter().enumerate().skip(1).rev() {
-            in_widest_registers(
-                #[inline(always)]
-                || {
-                    for i in visit.rows.clone() {
-                        sums.add(projection, i, row(i));
-                    }
-                },
-            );
-            let before = concerned[number - 1];
-            let is_of_a_few = number < LEAST_VISITS || concerned.len() - number < LEAST_VISITS;
-            // On a clock that does not tell two visits apart there is no instant between them.
-            if is_of_a_few || before.span_s[1] >= visit.span_s[0] {
-                continue;
-            }
-            let gram = sums.gram(projection);
-            if gram.rank() > 0 {
-                instants.push(Instant {
-                    tried: Tried {
-                        shape: 0.5 * (before.span_s[1] + visit.span_s[0]),
-                        gap_s: Some(visit.span_s[0] - before.span_s[0]),
+        for (number, own) in concerned.iter().enumerate().skip(1).rev() {
+            let after = concerned.len() - number;
+            let rows = &own.visit.rows;
+            let mut push = |sums: &Sums, [from_s, to_s]: [f64; 2], first_row, cut| {
+                let gram = sums.gram(projection);
+                if gram.rank() > 0 {
+                    instants.push(Instant {
+                        tried: Tried {
+                            shape: middle(&[from_s, to_s]),
+                            gap_s: Some(to_s - from_s),
+                        },
+                        first_row,
+                        cut,
+                        gram,
+                    });
+                }
+            };
+            let add = |sums: &mut Sums, cut: usize, sign: f64| {
+                in_widest_registers(
+                    #[inline(always)]
+                    || {
+                        for i in rows.start + cut..rows.end {
+                            sums.add(projection, i, row(cut, i), sign);
+                        }
                     },
-                    first_row: visit.rows.start,
-                    gram,
-                });
+                );
+            };
+            if number >= LEAST_VISITS && after > LEAST_VISITS {
+                for &(cut, gap_s) in own.cuts.iter().rev() {
+                    add(&mut sums, cut, 1.0);
+                    push(&sums, gap_s, rows.end, Some((rows.clone(), cut)));
+                    add(&mut sums, cut, -1.0);
+                }
+            }
+            add(&mut sums, 0, 1.0);
+            let gap_s = [concerned[number - 1].span_s[1], own.span_s[0]];
+            let is_of_a_few = number < LEAST_VISITS || after < LEAST_VISITS;
+            // On a clock that does not tell two visits apart there is no instant between them.
+            if !is_of_a_few && gap_s[0] < gap_s[1] {
+                push(&sums, gap_s, rows.start, None);
             }
         }
         (!instants.is_empty()).then_some(Self {
@@ -111,6 +147,82 @@ impl StepScan {
             by_rows,
             parameters: n,
             instants,
+        })
+    }
+
+    /// Adds `Xᵀ e` of rows with a cut.
+    fn add_products(&self, rows: Range<usize>, cut: usize, residuals: &[f64], s: &mut [f64]) {
+        let n = self.parameters;
+        let by_rows = self.by_rows[&cut][n * rows.start..n * rows.end].chunks_exact(n);
+        for (x, e) in by_rows.zip(&residuals[rows]) {
+            s.iter_mut().zip(x).for_each(|(s, x)| *s += x * e);
+        }
+    }
+}
+
+/// The columns without the first rows of each visit, for each number of these that parts a visit.
+fn by_rows(visits: &[VisitTimes], columns: &ColumnsAfter<'_>) -> BTreeMap<usize, Vec<f64>> {
+    let mut cuts: Vec<usize> = visits.iter().flat_map(VisitTimes::cuts).collect();
+    cuts.sort_unstable();
+    cuts.dedup();
+    let stride = cuts.len().div_ceil(MOST_CUTS).max(1);
+    let last = visits.iter().map(|visit| visit.rows.end).max();
+    let mut places = vec![0; last.unwrap_or_default()];
+    for visit in visits {
+        let rows = visit.rows.clone().enumerate();
+        rows.for_each(|(place, row)| places[row] = place);
+    }
+    let of_cut = |cut: usize| {
+        let is_after = |row: usize| places.get(row).is_none_or(|place| *place >= cut);
+        let columns = columns(&is_after);
+        let rows = columns.first().map_or(0, Vec::len);
+        let row = |i: usize| columns.iter().map(move |column| column[i]);
+        (cut, (0..rows).flat_map(row).collect())
+    };
+    let cuts = cuts.into_iter().step_by(stride);
+    [0].into_iter().chain(cuts).map(of_cut).collect()
+}
+
+/// A visit in which the effect shows.
+struct Concerned<'a> {
+    visit: &'a VisitTimes,
+    /// First and last time at which it does, s.
+    span_s: [f64; 2],
+    /// Cuts with readings that show it on either side, and the times of those next to it, s.
+    cuts: Vec<(usize, [f64; 2])>,
+}
+
+impl<'a> Concerned<'a> {
+    /// `n` is the number of columns; `None` if the effect does not show.
+    fn new(visit: &'a VisitTimes, by_rows: &BTreeMap<usize, Vec<f64>>, n: usize) -> Option<Self> {
+        let of_visit = |cut: usize| &by_rows[&cut][visit.rows.start * n..visit.rows.end * n];
+        let cuts = visit.cuts().filter(|cut| by_rows.contains_key(cut));
+        let starts: Vec<usize> = [0].into_iter().chain(cuts).collect();
+        let mut shown: Vec<(usize, [f64; 2])> = Vec::new();
+        for (i, &start) in starts.iter().enumerate() {
+            let next = starts.get(i + 1);
+            let is_shown = match next {
+                // Where its rows are zero, it makes no difference to leave them out.
+                Some(&next) => {
+                    let mut pairs = of_visit(start).iter().zip(of_visit(next));
+                    pairs.any(|(a, b)| a.to_bits() != b.to_bits())
+                }
+                None => of_visit(start).iter().any(|&x| x != 0.0),
+            };
+            if is_shown {
+                let last = next.map_or(visit.times_s.len(), |next| *next) - 1;
+                shown.push((start, [visit.times_s[start], visit.times_s[last]]));
+            }
+        }
+        let span_s = [shown.first()?.1[0], shown.last()?.1[1]];
+        let cuts = shown.windows(2).map(|pair| {
+            let gap_s = [pair[0].1[1], pair[1].1[0]];
+            (pair[1].0, gap_s)
+        });
+        Some(Self {
+            cuts: cuts.collect(),
+            visit,
+            span_s,
         })
     }
 }
@@ -121,32 +233,35 @@ impl Scan for StepScan {
     }
 
     fn for_each(&self, residuals: &[f64], f: &mut OfOne<'_>) {
-        let n = self.parameters;
-        let mut s = vec![0.0; n];
+        let mut s = vec![0.0; self.parameters];
         let mut end = residuals.len();
         for instant in &self.instants {
-            for (i, e) in (instant.first_row..end).zip(&residuals[instant.first_row..end]) {
-                for (s, x) in s.iter_mut().zip(&self.by_rows[i * n..(i + 1) * n]) {
-                    *s += x * e;
+            self.add_products(instant.first_row..end, 0, residuals, &mut s);
+            end = instant.first_row;
+            match &instant.cut {
+                None => f(instant.tried, &instant.gram, &s),
+                Some((rows, cut)) => {
+                    let mut with = s.clone();
+                    self.add_products(rows.start + cut..rows.end, *cut, residuals, &mut with);
+                    f(instant.tried, &instant.gram, &with);
                 }
             }
-            end = instant.first_row;
-            f(instant.tried, &instant.gram, &s);
         }
     }
 
+    /// Those between visits: noise exceeds a threshold within one where it does at an end of it.
     fn for_each_of(&self, residuals: &SideBySide, f: &mut OfSeveral<'_>) {
         let n = self.parameters;
         let rows = residuals.rows();
         let mut s = vec![[0.0; SIDE_BY_SIDE]; n];
         let mut end = rows.len();
-        for instant in &self.instants {
+        for instant in self.instants.iter().filter(|instant| instant.cut.is_none()) {
             let after = instant.first_row..end;
             in_widest_registers(
                 #[inline(always)]
                 || {
-                    let by_rows = self.by_rows[n * after.start..n * after.end].chunks_exact(n);
-                    for (x, e) in by_rows.zip(&rows[after]) {
+                    let by_rows = &self.by_rows[&0][n * after.start..n * after.end];
+                    for (x, e) in by_rows.chunks_exact(n).zip(&rows[after]) {
                         s.iter_mut().zip(x).for_each(|(s, x)| add_row(s, e, *x));
                     }
                 },
@@ -158,19 +273,24 @@ impl Scan for StepScan {
 
     fn columns(&self, shape: f64) -> Vec<Vec<f64>> {
         let n = self.parameters;
+        let rows = self.by_rows[&0].len() / n.max(1);
+        let mut columns = vec![vec![0.0; rows]; n];
         let after = self.instants.iter().filter(|i| i.tried.shape >= shape);
-        let first = after.map(|i| i.first_row).min().unwrap_or(usize::MAX);
-        let value = |i: usize, k: usize| {
-            if i >= first {
-                self.by_rows[i * n + k]
-            } else {
-                0.0
+        let Some(instant) = after.last() else {
+            return columns;
+        };
+        let mut take = |rows: Range<usize>, cut: usize| {
+            for i in rows {
+                for (k, column) in columns.iter_mut().enumerate() {
+                    column[i] = self.by_rows[&cut][i * n + k];
+                }
             }
         };
-        let rows = self.by_rows.len() / n.max(1);
-        (0..n)
-            .map(|k| (0..rows).map(|i| value(i, k)).collect())
-            .collect()
+        take(instant.first_row..rows, 0);
+        if let Some((rows, cut)) = &instant.cut {
+            take(rows.start + cut..rows.end, *cut);
+        }
+        columns
     }
 }
 
@@ -211,10 +331,11 @@ impl Sums {
         }
     }
 
+    /// Adds a row, or takes it away, by its sign.
     #[inline(always)]
-    fn add(&mut self, projection: &Projection, row: usize, x: &[f64]) {
+    fn add(&mut self, projection: &Projection, row: usize, x: &[f64], sign: f64) {
         let n = self.parameters;
-        Self::add_squares(&mut self.squares, x, n, 1.0);
+        Self::add_squares(&mut self.squares, x, n, sign);
         let own_row = projection.own_row(row);
         let size = own_row.len() * n;
         let group = projection.group_of_row[row];
@@ -222,14 +343,14 @@ impl Sums {
         Self::add_squares(&mut self.own_squares, own, n, -1.0);
         for (sums, o) in own.chunks_exact_mut(n).zip(own_row) {
             for (s, x) in sums.iter_mut().zip(x) {
-                *s += o * x;
+                *s += sign * o * x;
             }
         }
         Self::add_squares(&mut self.own_squares, own, n, 1.0);
         let shared_row = projection.shared_row(row);
         let of_parameters = self.shared.chunks_exact_mut(shared_row.len().max(1));
         for (sums, x) in of_parameters.zip(x) {
-            add(sums, shared_row, *x);
+            add(sums, shared_row, sign * x);
         }
     }
 

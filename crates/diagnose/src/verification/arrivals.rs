@@ -17,8 +17,10 @@ use trueaxis_campaign::VerificationReading;
 /// One visit of a commanded position.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Arrival {
-    /// Clock, s; the number of the row if the table has no times.
+    /// Clock, s, mean of its readings; the number of the row if the table has no times.
     pub(crate) time_s: f64,
+    /// Of each of its readings.
+    pub(crate) times_s: Vec<f64>,
     /// Time since the first reading.
     pub(crate) elapsed_s: f64,
     /// Progress of time over the table, 0 to 1.
@@ -42,6 +44,12 @@ pub(crate) struct Arrival {
 }
 
 impl Arrival {
+    /// Part of its readings that come after an instant: so much of what begins there is in their mean.
+    pub(crate) fn part_after(&self, instant_s: f64) -> f64 {
+        let after = self.times_s.iter().filter(|&&time_s| time_s > instant_s);
+        after.count() as f64 / self.readings as f64
+    }
+
     /// Whether two that follow each other are of one pass: of one cycle in one direction.
     pub(crate) fn is_of_pass(&self, next: &Self) -> bool {
         self.cycle == next.cycle && is_same(self.direction, next.direction)
@@ -71,9 +79,11 @@ pub(crate) fn arrivals(readings: &[VerificationReading], measured: Option<usize>
             let weight = 1.0 / last.readings as f64;
             last.value_um += (reading.value_um - last.value_um) * weight;
             last.time_s += (time_s - last.time_s) * weight;
+            last.times_s.push(time_s);
         } else {
             all.push(Arrival {
                 time_s,
+                times_s: vec![time_s],
                 elapsed_s: 0.0,
                 progress: 0.0,
                 cycle: reading.cycle,

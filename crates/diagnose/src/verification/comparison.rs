@@ -1,13 +1,21 @@
 //! Measured minus predicted, as in `verify` ([`CalibratedMachine::predicted_reading_um`]), reading by reading, and what an effect
 //! does to each.
 
+use std::collections::BTreeMap;
+
 use trueaxis_campaign::{Direction, Verification, VerificationKind};
-use trueaxis_effects::{Circumstances, Effect, Subject};
+use trueaxis_effects::{Circumstances, Effect, Shape, Subject};
 use trueaxis_kinematics::{Ideal, MICROMETRE, Machine};
 use trueaxis_leastsquares::half_waves;
 use trueaxis_predict::{CalibratedMachine, MeasuredPoint, carrier, predicted_reading_um};
 
 use crate::verification::arrivals::{Arrival, are_timed, arrivals, is_same};
+
+/// The effect of one axis on another.
+pub(crate) const COUPLING: &str = "cross_coupling";
+
+/// An axis that is this close to where it stood stands there, mm.
+const SAME_PLACE: f64 = 1e-3;
 
 /// A unit of a parameter that changes a reading by less changes nothing, µm.
 const ROUNDING_UM: f64 = 1e-9;
@@ -37,6 +45,9 @@ pub(crate) struct Comparison<'a> {
     pub(crate) moving: Vec<usize>,
     /// Axes that stand elsewhere than they did when the measured axis was calibrated.
     pub(crate) parked_elsewhere: Vec<usize>,
+    /// What they did there is in its curves: for each calibrated axis where all axes stood, mm or rad; one that is missing
+    /// was measured with the others at home, or not at all.
+    calibrated_at: BTreeMap<usize, Vec<f64>>,
 }
 
 impl<'a> Comparison<'a> {
@@ -73,6 +84,7 @@ impl<'a> Comparison<'a> {
             points,
             moving: moving.collect(),
             parked_elsewhere: Vec::new(),
+            calibrated_at: calibration.map_or_else(BTreeMap::new, calibrated_at),
             timed: are_timed(&verification.readings),
             arrivals,
         };
@@ -82,10 +94,33 @@ impl<'a> Comparison<'a> {
             at.clone().fold(f64::INFINITY, f64::min),
             at.fold(f64::NEG_INFINITY, f64::max),
         ];
+        if let (Some(axis), Some(calibration)) = (comparison.line(), calibration) {
+            comparison.parked_elsewhere = comparison.parked_elsewhere(axis, calibration);
+        }
         comparison
     }
 
-    /// What one unit of a parameter of an effect does to each reading, µm.
+    /// Axes that stand elsewhere at all readings of a line than where its axis was calibrated.
+    fn parked_elsewhere(&self, axis: usize, calibration: &CalibratedMachine) -> Vec<usize> {
+        let name = self.machine.axes()[axis].name();
+        if calibration.unmeasured().contains(&name) {
+            return Vec::new();
+        }
+        let calibrated = self.calibrated_at.get(&axis);
+        let is_elsewhere = |other: &usize| {
+            let calibrated = calibrated.map_or(0.0, |positions| positions[*other]);
+            let read = self.arrivals.iter().map(|a| a.positions[*other]);
+            *other != axis
+                && read
+                    .into_iter()
+                    .all(|q| (q - calibrated).abs() > SAME_PLACE)
+        };
+        let others = 0..self.machine.axes().len();
+        others.filter(is_elsewhere).collect()
+    }
+
+    /// What one unit of a parameter of an effect does to each reading, µm; of a coupling less what the calibrated curves of both
+    /// axes have of it, `q_A q_B - q_A b - a q_B` where A was calibrated with B at b, and B with A at a.
     pub(crate) fn column(
         &self,
         effect: &Effect,
@@ -97,8 +132,13 @@ impl<'a> Comparison<'a> {
         rows.map(|(arrival, point)| {
             // An effect of an axis sees the motion of this axis, whatever else moves.
             let axis = subject.axis.unwrap_or_else(|| self.axis());
+            // An instant may part the readings of a stop.
+            let (time_s, part) = match effect.shape {
+                Shape::Instant => (f64::INFINITY, arrival.part_after(shape)),
+                _ => (arrival.time_s, 1.0),
+            };
             let at = Circumstances {
-                time_s: arrival.time_s,
+                time_s,
                 elapsed_s: arrival.elapsed_s,
                 progress: arrival.progress,
                 occupation_progress: arrival.progress,
@@ -112,8 +152,26 @@ impl<'a> Comparison<'a> {
                 centroid_mm: point.point_mm,
                 ..Circumstances::new(self.machine)
             };
-            let displaced = effect.form(subject, parameter, shape, &at);
-            let change_um = displaced.along(&point.along) / MICROMETRE;
+            let change_mm = |at: &Circumstances<'_>| {
+                effect
+                    .form(subject, parameter, shape, at)
+                    .along(&point.along)
+            };
+            let mut all_mm = change_mm(&at);
+            for axis in coupled(effect, subject) {
+                let calibrated = self.calibrated_at.get(&axis);
+                let Some(calibrated) = calibrated.filter(|_| at.is_carried_by(axis)) else {
+                    continue;
+                };
+                let mut positions = calibrated.clone();
+                positions[axis] = arrival.positions[axis];
+                let in_curve = Circumstances {
+                    positions: &positions,
+                    ..at
+                };
+                all_mm -= change_mm(&in_curve);
+            }
+            let change_um = part * all_mm / MICROMETRE;
             // What moves the point across the line of sight would be a column of rounding errors.
             if change_um.abs() < ROUNDING_UM {
                 0.0
@@ -167,6 +225,22 @@ impl<'a> Comparison<'a> {
     pub(crate) fn unit_of_time(&self) -> &'static str {
         if self.timed { "s" } else { "readings" }
     }
+}
+
+/// Where axes stood while each one was calibrated; at home if couplings were taken out of what was measured.
+fn calibrated_at(calibration: &CalibratedMachine) -> BTreeMap<usize, Vec<f64>> {
+    let taken_out = &calibration.effects_taken_out;
+    match taken_out.iter().any(|effect| effect == COUPLING) {
+        true => BTreeMap::new(),
+        false => calibration.parked.clone(),
+    }
+}
+
+/// The two axes of a coupling.
+fn coupled(effect: &Effect, subject: &Subject) -> impl Iterator<Item = usize> {
+    let axes = [subject.axis, subject.other_axis];
+    let is_coupling = effect.id == COUPLING;
+    axes.into_iter().flatten().filter(move |_| is_coupling)
 }
 
 /// The side that the measured axis of a line came from.

@@ -6,7 +6,7 @@ use trueaxis_kinematics::{AxisKind, Component};
 
 use crate::engine::{Candidate, Finer, in_equal_ratios, plausible};
 use crate::selection::{Hypothesis, middle};
-use crate::verification::comparison::Comparison;
+use crate::verification::comparison::{COUPLING, Comparison};
 use crate::verification::lost_motion;
 
 /// Time constants that are tried, in equal ratios.
@@ -17,6 +17,9 @@ const LEAST_READINGS: f64 = 3.0;
 
 /// Instants that are tried at most.
 const INSTANTS: usize = 100;
+
+/// Stops on either side of an instant in which it may be, too: what is farther off fits so much worse, unless hardly anything shows.
+const GAPS_NEARBY: usize = 60;
 
 /// Steps of the wave number in waves over the range: a sixteenth of a wave more or less leaves 98.7 % of the squares of a sine
 /// explained, `(sin x/x)²` for `x = π/16`.
@@ -38,6 +41,7 @@ pub(crate) fn candidates<'a>(
     whiten: impl Fn(Vec<f64>) -> Vec<f64> + Copy + Send + Sync + 'a,
 ) -> Vec<Candidate<'a>> {
     let mut all = Vec::new();
+    let readings: usize = comparison.arrivals.iter().map(|a| a.readings).sum();
     for &effect in catalogue() {
         if !effect.levels.contains(&Level::Verification) {
             continue;
@@ -48,7 +52,7 @@ pub(crate) fn candidates<'a>(
         };
         match effect.id {
             // An axis that stands, but elsewhere than in the calibration, is coupled as one that moves.
-            "cross_coupling" => scene.moving.extend(&comparison.parked_elsewhere),
+            COUPLING => scene.moving.extend(&comparison.parked_elsewhere),
             // Nor does an axis stand that came to one position from both sides.
             "backlash" => {
                 let turns = |axis: &usize| comes_from_both_sides(comparison, *axis);
@@ -88,6 +92,7 @@ pub(crate) fn candidates<'a>(
                 finer: has_more.then(|| Finer {
                     columns: Box::new(columns),
                     gaps_s,
+                    nearby: GAPS_NEARBY * readings.div_ceil(comparison.arrivals.len().max(1)),
                     shortest: match effect.shape {
                         Shape::Period => shortest_told(comparison, &subject),
                         _ => f64::NEG_INFINITY,
@@ -175,8 +180,8 @@ fn shapes(comparison: &Comparison<'_>, shape: Shape, subject: &Subject) -> Vec<f
             in_equal_ratios(shortest, ratio, TIME_CONSTANTS)
         }
         Shape::Instant => {
-            let stride = comparison.arrivals.len().div_ceil(INSTANTS).max(1);
             let gaps_s = gaps_s(comparison);
+            let stride = gaps_s.len().div_ceil(INSTANTS).max(1);
             gaps_s.iter().step_by(stride).map(middle).collect()
         }
         Shape::Period => periods(comparison, subject),
@@ -184,15 +189,16 @@ fn shapes(comparison: &Comparison<'_>, shape: Shape, subject: &Subject) -> Vec<f
     }
 }
 
-/// Between two arrivals each, in the middle of which an instant is tried.
+/// Between two readings each, in the middle of which an instant is tried.
 fn gaps_s(comparison: &Comparison<'_>) -> Vec<[f64; 2]> {
-    let mut times: Vec<f64> = comparison.arrivals.iter().map(|a| a.time_s).collect();
+    let times = comparison.arrivals.iter().flat_map(|a| &a.times_s);
+    let mut times: Vec<f64> = times.copied().collect();
     times.sort_by(f64::total_cmp);
     let between = times.windows(2).map(|pair| [pair[0], pair[1]]);
     between.filter(|gap| gap[0] < gap[1]).collect()
 }
 
-/// Whether a shape may have any value between two of its list; waves of a turn are whole, and instants lie between two arrivals.
+/// Whether a shape may have any value between two of its list; waves of a turn are whole, and instants lie between two readings.
 pub(crate) fn is_continuous(shape: Shape) -> bool {
     matches!(
         shape,

@@ -135,6 +135,7 @@ impl<'s> Stack<'s> {
             finer: is_continuous(hypothesis.effect.shape).then(|| Finer {
                 columns: Box::new(columns),
                 gaps_s: None,
+                nearby: 0,
                 shortest,
             }),
         };

@@ -142,10 +142,17 @@ fn is_on_its_way(stops: &[Stop], slip: &Slip) -> bool {
     let is_same = |other: &&Stop| other.cell == own.cell && !other.readings.is_empty();
     let before = stops[..slip.stop].iter().rev().find(is_same);
     let after = stops[slip.stop + 1..].iter().find(is_same);
-    [before, after].into_iter().flatten().any(|neighbour| {
-        let mean = neighbour.mean();
-        others.iter().all(|value| (value - mean).abs() > near_um)
-    })
+    let is_far = |neighbour: &Stop, value: &f64| (value - neighbour.mean()).abs() > near_um;
+    // Of two the first is as before and the second as after: something jumped between them.
+    if let ([first, second], Some(before), Some(after)) = (&others[..], before, after)
+        && !is_known
+        && is_far(before, second)
+        && is_far(after, first)
+    {
+        return true;
+    }
+    let mut neighbours = [before, after].into_iter().flatten();
+    neighbours.any(|neighbour| others.iter().all(|value| is_far(neighbour, value)))
 }
 
 /// What the readings of stops scatter by.

@@ -9,6 +9,7 @@ mod ball_bar;
 mod calibrated_lines;
 mod clean;
 mod counts;
+mod coupling;
 mod curves;
 mod faults;
 mod feeds;

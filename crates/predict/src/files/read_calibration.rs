@@ -41,6 +41,8 @@ struct AxisEntry {
     positions: Vec<f64>,
     direction: Option<Vec<i8>>,
     reference_point_mm: [f64; 3],
+    #[serde(default)]
+    parked: BTreeMap<String, f64>,
     components: BTreeMap<String, CurveEntry>,
 }
 
@@ -113,6 +115,7 @@ impl CalibratedMachine {
             name: document.machine.name,
             campaign: document.campaign,
             effects_taken_out: effects.map(|entry| entry.effect).collect(),
+            parked: read.parked,
             has_uncertainties,
             dof: read.dof,
             ..Self::new(read.machine, read.axes, factors)
@@ -127,6 +130,8 @@ struct Measured {
     axes: Vec<MeasuredAxis>,
     /// Name, unit and stated standard uncertainty (in that unit) of each result; zero where none has one.
     results: Vec<(String, Unit, f64)>,
+    /// For each of these axes where the others stood, mm or rad.
+    parked: BTreeMap<usize, Vec<f64>>,
     has_uncertainties: bool,
     dof: f64,
 }
@@ -137,18 +142,23 @@ impl Measured {
             machine: machine.clone(),
             axes: Vec::new(),
             results: Vec::new(),
+            parked: BTreeMap::new(),
             has_uncertainties: document.has_uncertainties(),
             dof: f64::INFINITY,
         };
         let names: Vec<String> = machine.axes().iter().map(|a| a.name().to_owned()).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let index_of =
+            |field: String, name: &str| trueaxis_files::index_of(field, "axis", name, &names);
         for (i, entry) in document.axes.iter().enumerate() {
             let field = format!("axes[{i}]");
-            let index = trueaxis_files::index_of(
-                format!("{field}.name"),
-                "axis",
-                &entry.name,
-                &names.iter().map(String::as_str).collect::<Vec<_>>(),
-            )?;
+            let index = index_of(format!("{field}.name"), &entry.name)?;
+            let mut parked = vec![0.0; names.len()];
+            for (name, &position) in &entry.parked {
+                let other = index_of(format!("{field}.parked"), name)?;
+                parked[other] = machine.axes()[other].kind().position_from_file(position);
+            }
+            measured.parked.insert(index, parked);
             let reference_mm = Point3::from(entry.reference_point_mm);
             machine = machine.with_axes(|other, axis| match other == index {
                 true => axis.with_reference(reference_mm),
