@@ -18,6 +18,7 @@
 //! - [`noise`], [`model`], [`variances`]: whitening stop by stop, elimination of the poses, restricted maximum
 //!   likelihood, where the residuals demand it with unlike variances in three directions.
 //! - [`gross_errors`]: points that contradict all others leave, before the search and beside its causes.
+//! - [`doubted`]: whether too many contradict the others for that.
 //! - [`measured`]: what the search for causes ([`crate::engine`]) asks of them. A frame that moves as a whole cannot be
 //!   told from a machine that does: such twins are always given together.
 //! - [`beside`]: what wanders in a course that nobody knows joins the covariance.
@@ -27,6 +28,7 @@
 
 mod base;
 mod beside;
+mod doubted;
 mod fitted;
 mod gross_errors;
 mod held_out;

@@ -146,21 +146,26 @@ fn first_of_steps(mut found: Vec<Gross>) -> Vec<Gross> {
     out
 }
 
-/// Whether these are so few and so scattered that they are accidents.
-pub(crate) fn are_accidents(gross: &[Gross], base: &Base<'_>, points: &Points) -> bool {
+/// Most accidents among a number of points.
+pub(crate) fn most(count: usize) -> usize {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a count"
     )]
-    let most = ((MOST * points.readings.len() as f64) as usize).max(1);
+    let most = (MOST * count as f64) as usize;
+    most.max(1)
+}
+
+/// Whether these are so few and so scattered that they are accidents.
+pub(crate) fn are_accidents(gross: &[Gross], base: &Base<'_>, points: &Points) -> bool {
     let steps = |gross: &[Gross]| {
         let mut steps: Vec<usize> = gross.iter().map(|g| g.step).collect();
         steps.sort_unstable();
         steps.dedup();
         steps.len()
     };
-    if steps(gross) > most {
+    if steps(gross) > most(points.readings.len()) {
         return false;
     }
     // In measuring order, target by target.

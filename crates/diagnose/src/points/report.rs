@@ -10,6 +10,7 @@ use crate::engine::{
     of_catalogue, scans, settled, still_left, unexplained, wandered, wandered_mm, whitened_columns,
 };
 use crate::points::base::Base;
+use crate::points::doubted::doubted;
 use crate::points::fitted::fitted;
 use crate::points::gross_errors::{Gross, are_accidents, stand_out};
 use crate::points::held_out::held_out;
@@ -246,7 +247,10 @@ fn said(
     };
     let is_left = after.iter().any(Omnibus::is_clear);
     let left = || unexplained(Level::Points, &model.projection, &after, after_um);
-    let unexplained = is_left.then(left);
+    // Nor is it doubted.
+    let doubted = || doubted(base, &model, noise_um, screened.are_many);
+    let doubted = (!after.is_empty()).then(doubted).flatten();
+    let unexplained = doubted.or_else(|| is_left.then(left));
     let gain = heldout.map(|h| h.gain(before_um, after_um, noise_um));
     let of_cause = base.columns(&sharp);
     let columns = model.suspects.iter();
@@ -266,7 +270,7 @@ fn said(
         before: misfit(before_um, |h| h.before),
         after: misfit(after_um, |h| h.after),
         gain,
-        shares: Shares::of_parts(&sharp.projection, &parts, is_left),
+        shares: Shares::of_parts(&sharp.projection, &parts, unexplained.is_some()),
         unexplained,
         tests: tests(before),
         tests_after: tests(after),

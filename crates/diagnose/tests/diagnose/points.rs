@@ -200,6 +200,31 @@ fn a_gross_error_is_found_with_its_line() {
     }
 }
 
+/// Fifteen points of 756 (2 %) that are off by 0.3 mm, in the sense of y or against it, and 76 (10 %): too many to leave out, so that all stay, and
+/// the campaign is not clean.
+#[test]
+fn too_many_gross_errors_are_not_clean() {
+    for (seed, one_in) in [(21, 50), (22, 10)] {
+        let mut campaign = made(&Plan::THREE_AXES, &[], seed);
+        let points = campaign.points.as_mut().unwrap();
+        for (k, reading) in points.readings.iter_mut().enumerate() {
+            if (7 * k + 3) % one_in == 0 {
+                reading.position_mm.y += if k % 3 == 0 { 0.3 } else { -0.3 };
+            }
+        }
+        let found = diagnose(&campaign, &without_curves()).unwrap();
+        assert!(found.rejected.is_empty(), "{}", counts::summary(&found));
+        assert_eq!(
+            found.verdict,
+            Verdict::Unknown,
+            "{}",
+            counts::summary(&found)
+        );
+        let left = found.unexplained.unwrap();
+        assert_eq!(left.varies_with, ["reading"], "{}", left.note);
+    }
+}
+
 /// One target is no body: without repeats and second side nothing is redundant; with both, lost motion shows.
 #[test]
 fn one_target_is_judged_by_repeats_and_sides_only() {

@@ -1,0 +1,64 @@
+//! Points that are far off, more than mistakes are: then none was left out, and least squares take them for noise.
+//!
+//! The lengths of the whitened residuals of the points have a median that wrong ones do not move; beside noise alone none is
+//! five times that. Of a stop only the one that is off most counts, since the others share its pose.
+
+use trueaxis_effects::Level;
+
+use crate::Unexplained;
+use crate::points::base::Base;
+use crate::points::gross_errors::most;
+use crate::points::model::Model;
+
+/// Median lengths from which on a point is far off: eight standard deviations, of which the median of three coordinates is 1.54.
+const FAR: f64 = 8.0 / 1.54;
+
+/// Lines of the table that are named.
+const NAMED: usize = 6;
+
+/// What is far off in what a model leaves, if it is more than mistakes are, or anything where gross errors stayed (`are_many`).
+/// `noise_um` is the standard deviation of a coordinate.
+pub(crate) fn doubted(
+    base: &Base<'_>,
+    model: &Model,
+    noise_um: f64,
+    are_many: bool,
+) -> Option<Unexplained> {
+    let all = &base.readings.all;
+    let residuals = model.projection.residuals.chunks_exact(3);
+    let length = |row: &[f64]| row.iter().map(|e| e * e).sum::<f64>().sqrt();
+    let lengths: Vec<f64> = residuals.map(length).take(all.len()).collect();
+    let mut sorted = lengths.clone();
+    sorted.sort_by(f64::total_cmp);
+    let limit = FAR * sorted.get(sorted.len() / 2)?;
+    let stops = base.readings.stops.iter();
+    let largest = stops.filter_map(|stop| {
+        stop.clone()
+            .max_by(|a, b| lengths[*a].total_cmp(&lengths[*b]))
+    });
+    let far: Vec<usize> = largest.filter(|point| lengths[*point] > limit).collect();
+    let too_many = match are_many {
+        true => 0,
+        false => most(all.len()),
+    };
+    if far.len() <= too_many {
+        return None;
+    }
+    let lines = far.iter().take(NAMED);
+    let lines: Vec<String> = lines.map(|point| all[*point].line.to_string()).collect();
+    let more = if far.len() > NAMED { " and others" } else { "" };
+    let squares: f64 = far.iter().map(|point| lengths[*point].powi(2)).sum();
+    Some(Unexplained {
+        level: Level::Points,
+        data: String::new(),
+        rms_um: noise_um * (squares / (3 * all.len()) as f64).sqrt(),
+        share: 0.0,
+        varies_with: vec!["reading"],
+        note: format!(
+            "{} of {} points are far off, too many or too close together to leave out: lines {}{more}",
+            far.len(),
+            all.len(),
+            lines.join(", ")
+        ),
+    })
+}
