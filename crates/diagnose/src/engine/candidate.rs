@@ -6,7 +6,7 @@ use trueaxis_effects::ResolvedEffect;
 
 use crate::engine::between::{golden_section, neighbours};
 use crate::engine::derivative;
-use crate::selection::{Fit, FixedScan, Hypothesis, Projection, Scan, middle, rank};
+use crate::selection::{Fit, FixedScan, Hypothesis, Projection, Scan, dot, middle, rank};
 
 /// An effect on a subject with the columns of all its shapes.
 pub(crate) struct Candidate<'a> {
@@ -19,6 +19,9 @@ pub(crate) struct Candidate<'a> {
     pub(crate) is_free: bool,
     /// Shapes between those of the list, where there are any.
     pub(crate) finer: Option<Finer<'a>>,
+    /// Rows over which a size that changes from row to row has a mean square, to which the range of its first parameter applies, too:
+    /// the parameters are its value and slope where nobody may have measured. Empty of any other.
+    pub(crate) rows_of_size: Vec<usize>,
 }
 
 /// Shapes between those of a list.
@@ -132,6 +135,45 @@ impl Candidate<'_> {
     pub(super) fn is_possible(&self, model: &Projection, shape: f64) -> bool {
         let is_any = self.plausible.iter().all(Option::is_none);
         let variance = model.squares() / model.degrees_of_freedom.max(1.0);
-        is_any || Fit::new(model, &self.columns(shape)).is_possible(&self.plausible, variance)
+        let is_possible = |columns: &[Vec<f64>]| {
+            let fit = Fit::new(model, columns);
+            fit.is_possible(&self.plausible, variance)
+                && self.has_possible_size(columns, &fit, model)
+        };
+        is_any || is_possible(&self.columns(shape))
+    }
+
+    /// Whether a size that changes from row to row may have a root mean square in the plausible range, in the noise that is left with it:
+    /// without it most of what is left is its own.
+    fn has_possible_size(&self, columns: &[Vec<f64>], fit: &Fit, model: &Projection) -> bool {
+        let Some([_, most]) = self.plausible.first().copied().flatten() else {
+            return true;
+        };
+        let freedom = model.degrees_of_freedom - columns.len() as f64;
+        let variance = (model.squares() - fit.gained()).max(0.0) / freedom.max(1.0);
+        let [size, u] = self.root_mean_square(columns, fit, variance);
+        size - 3.0 * u <= most
+    }
+
+    /// Root mean square of such a size, and of its standard uncertainties; zeros of any other.
+    pub(crate) fn root_mean_square(
+        &self,
+        columns: &[Vec<f64>],
+        fit: &Fit,
+        variance: f64,
+    ) -> [f64; 2] {
+        let n = columns.len();
+        let mut squares = [0.0; 2];
+        for &row in &self.rows_of_size {
+            let there: Vec<f64> = columns.iter().map(|c| c[row] / columns[0][row]).collect();
+            let of_covariance = |k: usize| dot(&fit.covariance[k * n..(k + 1) * n], &there);
+            squares[0] += dot(&there, &fit.estimates).powi(2);
+            squares[1] += (0..n).map(|k| there[k] * of_covariance(k)).sum::<f64>() * variance;
+        }
+        squares.map(|sum| {
+            (sum / self.rows_of_size.len().max(1) as f64)
+                .max(0.0)
+                .sqrt()
+        })
     }
 }

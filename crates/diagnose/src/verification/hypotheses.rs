@@ -82,6 +82,11 @@ pub(crate) fn candidates<'a>(
                 (0..count).map(|k| whiten(column(k, shape))).collect()
             };
             let gaps_s = (effect.shape == Shape::Instant).then(|| gaps_s(comparison));
+            let is_along = effect.id == lost_motion::EFFECT && subject.axis == comparison.line();
+            let rows_of_size = match is_along {
+                true => lost_motion::reached_from_both_sides(comparison),
+                false => Vec::new(),
+            };
             let has_more = gaps_s.is_some() || is_continuous(effect.shape);
             all.push(Candidate {
                 hypothesis,
@@ -89,6 +94,7 @@ pub(crate) fn candidates<'a>(
                 shapes,
                 plausible: plausible.clone(),
                 is_free: false,
+                rows_of_size: rows_of_size.clone(),
                 finer: has_more.then(|| Finer {
                     columns: Box::new(columns),
                     gaps_s,
@@ -114,6 +120,7 @@ pub(crate) fn candidates<'a>(
                     shapes: waves.map(|k| k as f64).collect(),
                     plausible,
                     is_free: true,
+                    rows_of_size,
                     finer: None,
                 });
             }

@@ -12,7 +12,7 @@ use trueaxis_campaign::VerificationKind;
 use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::dense::Svd;
 
-use crate::engine::{Chosen, SMOOTH_LEVEL};
+use crate::engine::{Candidate, Chosen, SMOOTH_LEVEL};
 use crate::selection::{Fit, Hypothesis, ln_f_test};
 use crate::verification::base::{count, places};
 use crate::verification::comparison::Comparison;
@@ -40,7 +40,7 @@ pub(crate) fn most_waves(comparison: &Comparison<'_>) -> usize {
 }
 
 /// An arrival at each position that was reached from both sides, in the order of the positions.
-fn reached_from_both_sides(comparison: &Comparison<'_>) -> Vec<usize> {
+pub(crate) fn reached_from_both_sides(comparison: &Comparison<'_>) -> Vec<usize> {
     let numbers = places(comparison);
     let of = |place: usize, forward: bool| {
         let mut arrivals = comparison.arrivals.iter().zip(&numbers);
@@ -55,15 +55,30 @@ fn reached_from_both_sides(comparison: &Comparison<'_>) -> Vec<usize> {
 /// lost motion then, but what turns round with the axis does not go with time, either.
 pub(crate) fn beyond_drives(problem: &Problem<'_>, causes: &[Chosen]) -> Option<[f64; 2]> {
     let axis = problem.comparison.line()?;
-    let mut all = problem.listed.candidates.iter();
-    let own = all
-        .find(|c| c.hypothesis.effect.id == FORMS[0] && c.hypothesis.subject.axis == Some(axis))?;
-    let [_, most] = *own.plausible.first()?.as_ref()?;
     let model = problem.listed.with(causes);
-    let fit = Fit::new(&model, &own.columns(0.0));
-    let ln_p = ln_f_test(fit.gained(), model.squares(), 1, model.degrees_of_freedom);
-    let size = fit.estimates[0].abs();
-    (ln_p < SMOOTH_LEVEL.ln() && size > most).then_some([size, most])
+    let variance = model.squares() / model.degrees_of_freedom.max(1.0);
+    let beyond = |own: &Candidate| {
+        let [_, most] = *own.plausible.first()?.as_ref()?;
+        let columns = own.columns(*own.shapes.last()?);
+        let fit = Fit::new(&model, &columns);
+        let rank = columns.len();
+        let ln_p = ln_f_test(
+            fit.gained(),
+            model.squares(),
+            rank,
+            model.degrees_of_freedom,
+        );
+        let [along, _] = own.root_mean_square(&columns, &fit, variance);
+        let size = match rank {
+            1 => fit.estimates[0].abs(),
+            _ => along,
+        };
+        (ln_p < SMOOTH_LEVEL.ln() && size > most).then_some([size, most])
+    };
+    let mut forms = problem.listed.candidates.iter().filter(|c| {
+        FORMS.contains(&c.hypothesis.effect.id) && c.hypothesis.subject.axis == Some(axis)
+    });
+    forms.find_map(beyond)
 }
 
 /// Mean and slope whose columns differ by less than this part do the same to the readings.

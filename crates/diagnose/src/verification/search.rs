@@ -1,7 +1,8 @@
 //! Finding the causes: one at a time, each judged against noise through the same model.
 //!
 //! 1. All hypotheses against what the model leaves; the one with the most evidence joins if noise alone
-//!    gives one as good with less than the level (family-wise), a further cause with less than [`FURTHER_LEVEL`].
+//!    gives one as good with less than the level (family-wise), a further cause with less than [`FURTHER_LEVEL`]. Of few readings two
+//!    causes of one size hide each other: there two join at once, if each is as clear as a further cause beside the other.
 //! 2. Of nested forms (constant play within play that changes along the axis) the larger joins only if
 //!    what it has more is significant by itself.
 //! 3. Shapes of all causes are looked for again with the others in the model.
@@ -14,6 +15,9 @@ use crate::selection::{DECISIVE, Projection, Score, ln_f_test};
 
 /// Causes named at most: more are no longer an explanation.
 pub(crate) const MOST_CAUSES: usize = 3;
+
+/// Degrees of freedom below which one cause leaves so few for the noise that another one of its size hides it.
+const FEW: f64 = 40.0;
 
 /// What must be left of a column, in squares, for one form not to hold the other.
 const CONTAINED: f64 = 1e-6;
@@ -41,6 +45,9 @@ pub(crate) fn search_beside(
             false => level.min(FURTHER_LEVEL),
         };
         let Some(next) = best(listed, &causes, excluded, least) else {
+            if causes.is_empty() && listed.base.degrees_of_freedom < FEW {
+                causes = hidden_pair(listed, excluded, least);
+            }
             break;
         };
         if causes.contains(&next) {
@@ -57,6 +64,25 @@ pub(crate) fn search_beside(
         }
     }
     causes
+}
+
+/// Two causes that hide each other, as a drift and the lost motion at a single position: the one with the most evidence, and what is
+/// found beside it.
+fn hidden_pair(listed: &Listed, excluded: &[usize], level: f64) -> Vec<Chosen> {
+    let beside = listed.beside(&[]);
+    let mut possible = beside.scores.iter();
+    let first = possible.find(|score| !excluded.contains(&beside.numbers[score.scan]));
+    let Some(first) = first.map(|score| listed.chosen(&beside, score)) else {
+        return Vec::new();
+    };
+    let least = level.min(FURTHER_LEVEL);
+    let mut pair = vec![first];
+    pair.extend(best(listed, &pair, excluded, least));
+    drop_superfluous(listed, &mut pair, least);
+    match pair.len() {
+        2 => pair,
+        _ => Vec::new(),
+    }
 }
 
 /// Whether a further cause may be no more than the shape of the others.

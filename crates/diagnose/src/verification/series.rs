@@ -98,8 +98,15 @@ impl<'a> Series<'a> {
             (wandering, &course),
         );
         let is_plain = chosen.is_empty() && wandering.is_empty();
+        let of_tests = || {
+            let left = unexplained(problem, &after, &tests_after)?;
+            Some(match is_plain {
+                true => with_closest(problem, left),
+                false => left,
+            })
+        };
         let unexplained = doubted(problem, &after)
-            .or_else(|| unexplained(problem, &after, &tests_after))
+            .or_else(of_tests)
             .or_else(|| is_plain.then(|| impossible(problem)).flatten());
         let of_causes = chosen.iter().map(std::slice::from_ref);
         let of_causes = of_causes.map(|cause| Part::Free(problem.listed.columns(cause)));
@@ -160,6 +167,24 @@ fn impossible(problem: &Problem<'_>) -> Option<Unexplained> {
         ),
         varies_with,
     })
+}
+
+/// With the cause that explains most of it, where none is clear enough to name.
+fn with_closest(problem: &Problem<'_>, left: Unexplained) -> Unexplained {
+    let beside = problem.listed.beside(&[]);
+    let Some(closest) = beside.scores.first() else {
+        return left;
+    };
+    let effect = problem.listed.candidate(&beside, closest).hypothesis.effect;
+    let noise = closest.rank as f64 * beside.model.squares() / beside.model.degrees_of_freedom;
+    let squares = (closest.statistic - noise).max(0.0) / beside.model.squares();
+    let note = format!(
+        "{}; {} comes closest and explains {:.0} % of the misfit, which is not enough to name it",
+        left.note,
+        effect.id.replace('_', " "),
+        100.0 * squares
+    );
+    Unexplained { note, ..left }
 }
 
 /// Structure that the causes leave.

@@ -132,6 +132,7 @@ impl<'s> Stack<'s> {
             shapes,
             plausible,
             is_free: false,
+            rows_of_size: Vec::new(),
             finer: is_continuous(hypothesis.effect.shape).then(|| Finer {
                 columns: Box::new(columns),
                 gaps_s: None,

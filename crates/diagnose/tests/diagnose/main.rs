@@ -6,6 +6,7 @@
 
 mod arcs;
 mod ball_bar;
+mod beyond;
 mod calibrated_lines;
 mod clean;
 mod counts;
