@@ -180,6 +180,16 @@ impl Diagnosis {
             share: report.shares.unexplained,
             ..unexplained
         });
+        if let Some(left) = report
+            .unexplained
+            .as_mut()
+            .filter(|left| left.is_scatter(&report.before))
+        {
+            left.note = format!(
+                "the repeats scatter by it, and neither a known cause nor a smooth course explains that; {}",
+                left.note
+            );
+        }
         let is_left = report.unexplained.is_some() || !disturbances.is_empty();
         let verdict = Verdict::of_causes(&causes, is_left);
         self.verdict = Verdict::of_all([self.verdict, verdict]);

@@ -208,6 +208,15 @@ pub struct Unexplained {
     pub note: String,
 }
 
+impl Unexplained {
+    /// Whether it is in the scatter between repeats, of a level with this misfit before anything was explained: its share beyond the noise,
+    /// which repeats tell, is far below that of its rms. Single readings that are off are no scatter.
+    pub fn is_scatter(&self, before: &Misfit) -> bool {
+        let of_misfit = (self.rms_um / before.rms_um).powi(2);
+        self.varies_with != ["reading"] && of_misfit > 0.01 && self.share < 0.25 * of_misfit
+    }
+}
+
 /// A reading that contradicts all others and was left out.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Rejected {

@@ -16,6 +16,7 @@
 //! directions, cycles and lines, but not what its mean curve is made of. Arrivals are taken as
 //! independent.
 
+mod another_curve;
 mod arrivals;
 pub(crate) mod base;
 mod believed;

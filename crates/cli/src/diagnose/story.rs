@@ -46,7 +46,7 @@ pub(crate) fn lines(diagnosis: &Diagnosis) -> Vec<String> {
     }
     for level in &diagnosis.levels {
         let unexplained = level.unexplained.iter();
-        lines.extend(unexplained.flat_map(|left| self::left(left, level.before.rms_um)));
+        lines.extend(unexplained.flat_map(|left| self::left(left, level)));
     }
     if of_level(Level::Components).next().is_some() {
         lines.push(String::new());
@@ -58,28 +58,31 @@ pub(crate) fn lines(diagnosis: &Diagnosis) -> Vec<String> {
     lines
 }
 
-/// What no cause explains, of a misfit of `before_um` rms.
-fn left(unexplained: &Unexplained, before_um: f64) -> Vec<String> {
-    // A share that is far below that of the rms: the repeats scatter by it, too.
-    let of_misfit = (unexplained.rms_um / before_um).powi(2);
-    let is_scatter = of_misfit > 0.01 && unexplained.share < 0.25 * of_misfit;
-    let part = match is_scatter {
-        true => "most of it in the scatter of the repeats".to_owned(),
+/// What no cause explains of a level.
+fn left(unexplained: &Unexplained, level: &LevelReport) -> Vec<String> {
+    let rms_um = in_words::amount(unexplained.rms_um, 2);
+    let data = &unexplained.data;
+    let is_scatter = unexplained.is_scatter(&level.before);
+    let headline = match is_scatter {
+        true => format!("repeats scatter in {data}: {rms_um} µm rms more than noise alone"),
+        false if unexplained.varies_with == ["reading"] => {
+            format!("doubtful in {data}: {rms_um} µm rms in single readings")
+        }
         false => format!(
-            "{} of the misfit in squares",
+            "unexplained in {data}: {rms_um} µm rms, {} of the misfit in squares",
             in_words::percent(unexplained.share)
         ),
     };
-    let mut lines = vec![
-        String::new(),
-        format!(
-            "unexplained in {}: {} µm rms, {part}",
-            unexplained.data,
-            in_words::amount(unexplained.rms_um, 2),
-        ),
-    ];
+    let mut lines = vec![String::new(), headline];
     lines.extend(labelled("what", &unexplained.note));
-    lines.extend(labelled("to do", to_do(&unexplained.varies_with)));
+    let to_do = match is_scatter {
+        true => {
+            "see what differs from one repeat to the next (time to settle, clamping, cables, optics or targets that move) and repeat: a mean of \
+             the repeats is only as certain as this scatter lets it be"
+        }
+        false => to_do(&unexplained.varies_with),
+    };
+    lines.extend(labelled("to do", to_do));
     lines
 }
 

@@ -5,6 +5,7 @@ use trueaxis_effects::{Level, Scene};
 use crate::engine::{Chosen, Omnibus, without};
 use crate::said::Entry;
 use crate::selection::{Part, Projection, add};
+use crate::verification::another_curve::another_curve;
 use crate::verification::competition::{Model, compete, only};
 use crate::verification::doubted::doubted;
 use crate::verification::held_out::{HeldOut, gain, held_out};
@@ -106,6 +107,7 @@ impl<'a> Series<'a> {
             })
         };
         let unexplained = doubted(problem, &after)
+            .or_else(|| another_curve(problem, &chosen, &after))
             .or_else(of_tests)
             .or_else(|| is_plain.then(|| impossible(problem)).flatten());
         let of_causes = chosen.iter().map(std::slice::from_ref);

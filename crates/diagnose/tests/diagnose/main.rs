@@ -12,6 +12,7 @@ mod clean;
 mod counts;
 mod coupling;
 mod curves;
+mod exchanged;
 mod faults;
 mod feeds;
 mod instants;
