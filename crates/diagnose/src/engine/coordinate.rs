@@ -2,15 +2,15 @@
 
 use nalgebra::{Rotation3, Vector3};
 use trueaxis_effects::{Circumstances, Displaced, Effect, Subject, effect};
-use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
+use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, MICROMETRE};
 
 /// One of the things that move in a course of their own.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Coordinate {
     /// A unit of a parameter of an effect.
     Effect(&'static Effect, usize),
-    /// What an axis carries is displaced along itself, or along (0 to 2) or turned about (3 to 5) a direction of what carries the
-    /// axis, about the centroid of its targets: a micrometre or an arc second, by a function of its position.
+    /// What an axis carries is displaced along the axis, or along a direction of what carries the axis, or turned about one and the
+    /// centroid of its targets: a micrometre or an arc second, by a function of where the axis stands, whether it runs or is parked.
     Geometry(Motion, Law),
 }
 
@@ -82,15 +82,14 @@ pub(crate) fn shown(coordinates: &[Coordinate], units_um: &[f64], laws: &[f64; 3
     shown
 }
 
-/// What a unit of each coordinate does to a reading. `travelled` says where the axis is in its travel, 0 to 1.
+/// What a unit of each coordinate does to a reading.
 pub(crate) fn moved(
     coordinates: &[Coordinate],
     subject: &Subject,
     at: &Circumstances<'_>,
-    travelled: f64,
 ) -> Vec<Displaced> {
     let carried = subject.axis.filter(|&axis| at.is_carried_by(axis));
-    let stage = carried.map(|axis| Stage::new(axis, at, travelled));
+    let stage = carried.map(|axis| Stage::new(axis, at));
     let moved = coordinates.iter().map(|coordinate| match coordinate {
         Coordinate::Effect(effect, k) => effect.form(subject, *k, f64::NEG_INFINITY, at),
         Coordinate::Geometry(motion, law) => {
@@ -101,11 +100,12 @@ pub(crate) fn moved(
     moved.collect()
 }
 
-/// The laws at a place of an axis.
-pub(crate) fn laws(kind: AxisKind, position: f64, travelled: f64) -> [f64; 3] {
-    match kind {
+/// The laws at a position of an axis, mm or rad.
+pub(crate) fn laws(axis: &Axis, position: f64) -> [f64; 3] {
+    match axis.kind() {
         AxisKind::Linear => {
-            let x = 2.0 * travelled - 1.0;
+            let [low, high] = axis.travel();
+            let x = (2.0 * position - low - high) / (high - low);
             [1.0, x, 1.5 * x * x - 0.5]
         }
         AxisKind::Rotary => [1.0, position.cos(), position.sin()],
@@ -122,12 +122,12 @@ struct Stage {
 }
 
 impl Stage {
-    fn new(axis: usize, at: &Circumstances<'_>, travelled: f64) -> Self {
+    fn new(axis: usize, at: &Circumstances<'_>) -> Self {
         Self {
             along: at.unit_motion(axis),
             ref_from_base: at.ref_from_base(axis).rotation.to_rotation_matrix(),
             arm_mm: at.point_mm - at.centroid_mm,
-            laws: laws(at.machine.axes()[axis].kind(), at.position(axis), travelled),
+            laws: laws(&at.machine.axes()[axis], at.position(axis)),
         }
     }
 

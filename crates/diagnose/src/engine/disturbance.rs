@@ -136,6 +136,11 @@ impl Wanderer {
         is_of_axis && self.with != With::Sides
     }
 
+    /// Whether it is what leads the stage of an axis, running or parked.
+    fn is_of_stage(self) -> bool {
+        matches!(self.with, With::Campaign | With::TimeAndPosition)
+    }
+
     /// What moves as it moves.
     pub(crate) fn coordinates(self, scene: &Scene) -> Vec<Coordinate> {
         let moved: &[(&str, usize)] = match (self.who, self.with) {
@@ -174,6 +179,8 @@ impl Wanderer {
             Who::Machine | Who::Tripods | Who::Frame | Who::Air => true,
             Who::Station(station) => here.station == station,
             Who::Target(target) => here.target == target,
+            // Where a parked axis stands it is led otherwise, too.
+            Who::Axis(_) if self.is_of_stage() => true,
             Who::Axis(axis) => here.axis == Some(axis),
         };
         let place = match self.with {

@@ -218,17 +218,17 @@ impl<'h> Coefficients<'h> {
         else {
             return vec![(None, [1.0; 3])];
         };
-        let kind = base.scene().machine.axes()[axis].kind();
+        let own = &base.scene().machine.axes()[axis];
         let [low, high] = base.ends(axis);
-        let far = match kind {
+        let far = match own.kind() {
             AxisKind::Linear => high,
             AxisKind::Rotary => high.min(low + FRAC_PI_2),
         };
-        let place = |(position, travelled)| {
+        let place = |position| {
             let shown = of_axis(base, axis)(position);
-            (Some(shown), laws(kind, position, travelled))
+            (Some(shown), laws(own, position))
         };
-        [(low, 0.0), (far, 1.0)].map(place).into()
+        [low, far].map(place).into()
     }
 
     /// All that is shown at a place of a course, 0 to 1, and its standard uncertainties, µm: from the mean over the

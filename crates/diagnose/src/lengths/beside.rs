@@ -100,7 +100,7 @@ impl Wanders for Base<'_> {
     ) -> Vec<Vec<Displaced>> {
         let moved = self.readings.iter().map(|reading| {
             let at = self.observation(reading, &model.solution).at;
-            coordinate::moved(coordinates, subject, &at, travelled(self, reading))
+            coordinate::moved(coordinates, subject, &at)
         });
         moved.collect()
     }
@@ -142,7 +142,7 @@ impl Base<'_> {
         let subject = wanderer.subject();
         wanderer.columns(&self.scene, all, |i, coordinates| {
             let Observation { at, beam } = self.observation(&self.readings[i], solution);
-            let moved = coordinate::moved(coordinates, &subject, &at, all[i].travelled);
+            let moved = coordinate::moved(coordinates, &subject, &at);
             moved.iter().map(|moved| [moved.along(&beam)]).collect()
         })
     }

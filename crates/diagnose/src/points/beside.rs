@@ -86,9 +86,9 @@ impl Wanders for Base<'_> {
         coordinates: &[Coordinate],
         subject: &Subject,
     ) -> Vec<Vec<Displaced>> {
-        let moved = travelled(self).into_iter().enumerate();
-        let moved = moved.map(|(i, x)| coordinate::moved(coordinates, subject, &self.at(i), x));
-        moved.collect()
+        let all = 0..self.readings.all.len();
+        all.map(|i| coordinate::moved(coordinates, subject, &self.at(i)))
+            .collect()
     }
 
     fn whiten(&self, model: &Model, column: &mut Vec<f64>) {
@@ -133,9 +133,8 @@ impl Base<'_> {
     /// What a unit of each coefficient does to the coordinates, mm.
     pub(crate) fn columns_of_unit_mm(&self, wanderer: Wanderer) -> Vec<Vec<f64>> {
         let subject = wanderer.subject();
-        let all = self.here();
-        wanderer.columns(self.scene, &all, |i, coordinates| {
-            let moved = coordinate::moved(coordinates, &subject, &self.at(i), all[i].travelled);
+        wanderer.columns(self.scene, &self.here(), |i, coordinates| {
+            let moved = coordinate::moved(coordinates, &subject, &self.at(i));
             let in_rows = |moved| self.in_rows(self.shown_mm(moved)).into();
             moved.iter().map(in_rows).collect()
         })
