@@ -17,7 +17,7 @@
 mod back_substitution;
 mod elimination;
 
-use crate::lanes::{LANES, Lanes, add_several_times, add_times, scale, zeros};
+use crate::lanes::{LANES, Lanes, add_times, lanes_only, scale, zeros};
 
 /// Shared unknowns that stand side by side in a row.
 pub(crate) const RUN: usize = 4;
@@ -37,10 +37,8 @@ pub struct BlockBatch {
     /// Columns of `H`, contiguous.
     datum: Vec<Lanes>,
     closure: Vec<Lanes>,
-    /// `R`, rows contiguous; of the diagonal the reciprocals.
-    factor: Vec<Lanes>,
-    /// `[W | W_H | c]`, rows contiguous.
-    coupling: Vec<Lanes>,
+    /// `[R | W | c | W_H]`, rows one after the other; of the diagonal the reciprocals, and nothing that counts below it.
+    system: Vec<Lanes>,
     own_column: Vec<Lanes>,
 }
 
@@ -51,7 +49,7 @@ pub struct Shape {
     pub rows: usize,
     /// Unknowns of each block.
     pub unknowns: usize,
-    /// Shared unknowns in runs: they come first.
+    /// Shared unknowns in runs, an even number: they come first, and each run starts at an even one.
     pub in_runs: usize,
     /// All shared unknowns.
     pub shared: usize,
@@ -60,20 +58,26 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Elements of a row: own unknowns, a run, the unknowns behind the runs, the residual.
+    /// Where the residual is in a row: behind own unknowns, a run, and the unknowns behind the runs.
     #[inline(always)]
-    fn row_len(&self) -> usize {
-        self.unknowns + RUN + (self.shared - self.in_runs) + 1
+    fn residual(&self) -> usize {
+        self.unknowns + RUN + self.shared - self.in_runs
     }
 
-    /// Elements of a row of `[W | W_H | c]`.
+    /// Elements of a row: one of zero at its end where those behind the run are odd, since their products are made in pairs.
     #[inline(always)]
-    fn width(&self) -> usize {
-        self.shared + self.datum + 1
+    fn row_len(&self) -> usize {
+        self.unknowns + RUN + (self.shared - self.in_runs + 1).next_multiple_of(2)
+    }
+
+    /// Elements of a row of `[R | W | c | W_H]`, those behind `R` in pairs.
+    #[inline(always)]
+    fn system_len(&self) -> usize {
+        self.unknowns + (self.shared + 1 + self.datum).next_multiple_of(2)
     }
 }
 
-/// A row of eight blocks, to be filled.
+/// A row of eight blocks, to be filled: what is there is arbitrary.
 #[derive(Debug)]
 pub struct RowMut<'a> {
     /// Derivatives of the observation by the blocks' own unknowns.
@@ -89,11 +93,11 @@ pub struct RowMut<'a> {
 }
 
 impl BlockBatch {
-    /// Makes these zero blocks of another shape; keeps the memory.
+    /// Makes these blocks of another shape, with a datum of zeros and rows that are to be filled; keeps the memory.
     #[inline(always)]
     pub fn reset(&mut self, shape: Shape) {
         self.shape = shape;
-        zeros(&mut self.rows, shape.rows * shape.row_len());
+        self.rows.resize(shape.rows * shape.row_len(), Lanes::ZERO);
         zeros(&mut self.starts, shape.rows);
         zeros(&mut self.datum, shape.unknowns * shape.datum);
         zeros(&mut self.closure, shape.datum);
@@ -110,13 +114,14 @@ impl BlockBatch {
         let length = self.shape.row_len();
         let (own, rest) = self.rows[row * length..][..length].split_at_mut(self.shape.unknowns);
         let (run, rest) = rest.split_at_mut(RUN);
-        let (others, residual) = rest.split_at_mut(self.shape.shared - self.shape.in_runs);
+        let (others, rest) = rest.split_at_mut(self.shape.shared - self.shape.in_runs);
+        rest[1..].fill(Lanes::ZERO);
         RowMut {
             own,
             start: &mut self.starts[row],
             run,
             others,
-            residual: &mut residual[0],
+            residual: &mut rest[0],
         }
     }
 
@@ -125,57 +130,56 @@ impl BlockBatch {
     pub fn whiten(&mut self, first: usize, count: usize, triangle: &[Lanes]) {
         let length = self.shape.row_len();
         let rows = &mut self.rows[first * length..][..count * length];
+        if let &[l11, l21, l22, l31, l32, l33] = triangle {
+            let (upper, rest) = rows.split_at_mut(length);
+            let (middle, lower) = rest.split_at_mut(length);
+            for ((x, y), z) in upper.iter_mut().zip(middle).zip(lower) {
+                lanes_only();
+                *z = l32.mul_add(*y, l31.mul_add(*x, *z * l33));
+                *y = l21.mul_add(*x, *y * l22);
+                *x = *x * l11;
+            }
+            return;
+        }
         // From below: each row needs those above it as they were.
         for i in (0..count).rev() {
             let weights = &triangle[i * (i + 1) / 2..][..=i];
             let (above, row) = rows.split_at_mut(i * length);
             let row = &mut row[..length];
             scale(row, weights[i]);
-            match (above.len() / length, weights) {
-                (2, &[a, b, _]) => {
-                    let above = above.split_at(length);
-                    add_several_times(row, [a, b], [above.0, above.1]);
-                }
-                _ => {
-                    for (above, w) in above.chunks_exact(length).zip(weights) {
-                        add_times(row, *w, above);
-                    }
-                }
+            for (above, w) in above.chunks_exact(length).zip(weights) {
+                add_times(row, *w, above);
             }
         }
     }
 
-    /// The rows of `A`, the shared unknowns' elements and the residual.
     #[inline(always)]
-    fn parts(&self, row: usize) -> (&[Lanes], &[Lanes], &[Lanes], Lanes) {
+    fn row(&self, row: usize) -> &[Lanes] {
         let length = self.shape.row_len();
-        let (own, rest) = self.rows[row * length..][..length].split_at(self.shape.unknowns);
-        let (run, rest) = rest.split_at(RUN);
-        let (others, residual) = rest.split_at(rest.len() - 1);
-        (own, run, others, residual[0])
+        &self.rows[row * length..][..length]
     }
 
     /// The derivatives of a row by the blocks' own unknowns.
     #[inline(always)]
     pub fn own_row(&self, row: usize) -> &[Lanes] {
-        self.parts(row).0
+        &self.row(row)[..self.shape.unknowns]
     }
 
     /// The residual of a row, observed minus computed.
     #[inline(always)]
     pub fn residual(&self, row: usize) -> Lanes {
-        self.parts(row).3
+        self.row(row)[self.shape.residual()]
     }
 
     /// Writes the shared unknowns' elements of a row to the front of `place`, which is zero.
     #[inline(always)]
     pub fn copy_shared_row(&self, row: usize, place: &mut [Lanes]) {
         let Shape { in_runs, .. } = self.shape;
-        let (_, run, others, _) = self.parts(row);
+        let (run, rest) = self.row(row)[self.shape.unknowns..self.shape.residual()].split_at(RUN);
         if in_runs > 0 {
             place[self.starts[row]..][..RUN].copy_from_slice(run);
         }
-        place[in_runs..][..others.len()].copy_from_slice(others);
+        place[in_runs..][..rest.len()].copy_from_slice(rest);
     }
 
     /// Column `k` of `H`, to be filled.

@@ -48,8 +48,8 @@ impl Factors {
         }
     }
 
-    /// Begins a batch of blocks with these numbers and as many unknowns each. To what is returned the caller appends `R⁻¹`,
-    /// columns one after the other, and then `Z`, rows one after the other.
+    /// Begins a batch of blocks with these numbers and as many unknowns each. To what is returned the caller appends `R⁻¹`
+    /// and then `Z`, rows one after the other.
     #[inline(always)]
     pub fn begin(&mut self, blocks: Range<usize>, unknowns: usize) -> &mut Vec<Lanes> {
         let piece = self.pieces.len().saturating_sub(1);
@@ -97,7 +97,7 @@ impl Factors {
         let (inverse_factor, behind) = self.pieces[piece][start..].split_at(n * n);
         BatchFactors {
             first: blocks.start,
-            inverse_factor: LaneMatrix::by_columns(inverse_factor, [n; 2]),
+            inverse_factor: LaneMatrix::by_rows(inverse_factor, [n; 2]),
             coupling: LaneMatrix::by_rows(&behind[..n * self.width], [n, self.width]),
         }
     }

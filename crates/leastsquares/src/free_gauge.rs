@@ -38,19 +38,21 @@ impl Reduced {
         let n = self.shared();
         let (scale, mut matrix) = self.scaled(n)?;
         let motions = orthonormal(free_motions, &scale);
-        for motion in &motions {
-            for (i, row) in matrix.chunks_exact_mut(n.max(1)).enumerate() {
-                for (x, b) in row[i..].iter_mut().zip(&motion[i..]) {
-                    *x += motion[i] * b;
-                }
-            }
-        }
         let right: Vec<f64> = (0..n)
             .map(|i| scale[i] * self.at(i, self.width()))
             .collect();
         let solved = in_widest_registers(
             #[inline(always)]
-            || solve_definite(&mut matrix, right),
+            || {
+                for motion in &motions {
+                    for (i, row) in matrix.chunks_exact_mut(n.max(1)).enumerate() {
+                        for (x, b) in row[i..].iter_mut().zip(&motion[i..]) {
+                            *x += motion[i] * b;
+                        }
+                    }
+                }
+                solve_definite(&mut matrix, right)
+            },
         );
         if !solved
             .as_ref()

@@ -150,16 +150,27 @@ pub fn add_times(sum: &mut [Lanes], factor: Lanes, x: &[Lanes]) {
 pub(crate) fn add_several_times<const N: usize>(
     sum: &mut [Lanes],
     factors: [Lanes; N],
-    mut x: [&[Lanes]; N],
+    x: [&[Lanes]; N],
 ) {
-    for x in &mut x {
-        *x = &x[..sum.len()];
+    let x = x.map(|x| x[..sum.len()].as_chunks::<FOUR>());
+    let (fours, rest) = sum.as_chunks_mut::<FOUR>();
+    for (i, four) in fours.iter_mut().enumerate() {
+        lanes_only();
+        let [mut a, mut b, mut c, mut d] = *four;
+        for k in 0..N {
+            let [p, q, r, s] = &x[k].0[i];
+            a = factors[k].mul_add(*p, a);
+            b = factors[k].mul_add(*q, b);
+            c = factors[k].mul_add(*r, c);
+            d = factors[k].mul_add(*s, d);
+        }
+        *four = [a, b, c, d];
     }
-    for (i, sum) in sum.iter_mut().enumerate() {
+    for (i, sum) in rest.iter_mut().enumerate() {
         lanes_only();
         let mut result = *sum;
         for k in 0..N {
-            result = factors[k].mul_add(x[k][i], result);
+            result = factors[k].mul_add(x[k].1[i], result);
         }
         *sum = result;
     }

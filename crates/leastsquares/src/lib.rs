@@ -28,8 +28,9 @@
 //! masses.reset(Shape { rows: 2, unknowns: 1, in_runs: 0, shared: 2, datum: 1 });
 //! for (row, readings) in [[1.5, 2.5], [3.0, 4.0]].into_iter().enumerate() {
 //!     let row_of_scale = masses.row_mut(row);
-//!     row_of_scale.residual.0[..2].copy_from_slice(&readings);
+//!     *row_of_scale.residual = Lanes::from_fn(|mass| readings[mass % 2]);
 //!     row_of_scale.own.fill(Lanes::splat(1.0));
+//!     row_of_scale.others.fill(Lanes::ZERO);
 //!     row_of_scale.others[row] = Lanes::splat(1.0);
 //! }
 //! masses.datum_mut(0)[0].0[0] = 1.0;

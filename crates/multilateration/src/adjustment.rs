@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use nalgebra::Vector3;
-use trueaxis_leastsquares::zeros;
+use trueaxis_leastsquares::Lanes;
 
 use crate::batches::Batch;
 use crate::beams::take_points;
@@ -109,7 +109,7 @@ impl<'a> GroupAdjustment<'a> {
             equations,
             ..
         } = memory;
-        zeros(weights, batch.weights());
+        weights.resize(batch.weights(), Lanes::ZERO);
         fill_weights(batch, &self.network.noise, beams, factor, weights);
         for (first, count, weights) in by_visit(batch, weights) {
             equations.whiten(first, count, weights);

@@ -11,7 +11,6 @@ use trueaxis_leastsquares::{LANES, Lanes};
 
 use crate::lane_vectors::{LaneVector, splat};
 use crate::network::{Network, VisitsByGroup};
-use crate::noise::factor_len;
 use crate::pieces::{in_parallel, pieces};
 use crate::reflectors::contrast;
 use crate::slots::{Layout, SlotVisit, Slots};
@@ -141,7 +140,7 @@ pub(crate) fn check_seen(batches: &[Batch], need: usize) -> Result<(), Error> {
     let mut full: Option<&Arc<Layout>> = None;
     for batch in batches {
         // Where nothing is missing, batches of one layout are alike.
-        let is_full = batch.factors.is_empty();
+        let is_full = batch.is_full();
         if batch.body.is_some() {
             continue;
         }
@@ -216,6 +215,12 @@ impl Batch {
         self.layout.point_of_slot.len()
     }
 
+    /// Whether all readings are there, with factors of one on their variance.
+    #[inline(always)]
+    pub(crate) fn is_full(&self) -> bool {
+        self.factors.is_empty()
+    }
+
     /// Factors on the variance of a reading's own noise; zero without a reading.
     #[inline(always)]
     pub(crate) fn variance_factor(&self, slot: usize) -> Lanes {
@@ -271,8 +276,7 @@ impl Batch {
 
     /// Number of weights: the triangles of all visits.
     pub(crate) fn weights(&self) -> usize {
-        let visits = self.layout.visits.iter();
-        visits.map(|visit| factor_len(visit.slots.len())).sum()
+        self.layout.weights
     }
 
     /// Number of the group in a lane, and of its readings.

@@ -164,7 +164,6 @@ fn add_blocks(
     add_product(&mut of_group, part, errors);
     let mut mixed = vec![Lanes::ZERO; unknowns * width];
     add_product(&mut mixed, part, shared);
-    // The first is symmetric: rows are columns.
     let numbers = blocks.begin(batch.groups.clone(), unknowns);
     numbers.extend(of_group);
     numbers.extend(mixed);

@@ -78,8 +78,12 @@ fn fill_row(
 ) {
     let point = batch.layout.point_of_slot[slot];
     let u = beam.unit;
+    row.others.fill(Lanes::ZERO);
     match tie {
-        None => row.own[3 * point..3 * point + 3].copy_from_slice(&u),
+        None => {
+            row.own.fill(Lanes::ZERO);
+            row.own[3 * point..3 * point + 3].copy_from_slice(&u);
+        }
         Some(tie) => {
             row.own[..3].copy_from_slice(&u);
             row.own[3..].copy_from_slice(&cross(at(&tie.arms_mm, point), u));
@@ -98,6 +102,7 @@ fn fill_row(
     }
     *row.residual = beam.residual_mm;
     let minus = Lanes::splat(-1.0);
+    row.run[PER_STATION - 1] = Lanes::ZERO;
     let Some(zeros) = batch.zeros.get(slot) else {
         row.run[PER_STATION - 1] = minus;
         return;

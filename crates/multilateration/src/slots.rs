@@ -8,6 +8,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::network::{Network, VisitsByGroup};
+use crate::noise::factor_len;
 
 /// What slots a batch has; batches of a campaign measured by a plan share one.
 #[derive(Debug, Default)]
@@ -15,6 +16,8 @@ pub(crate) struct Layout {
     pub(crate) visits: Vec<SlotVisit>,
     /// The point within the group of each slot.
     pub(crate) point_of_slot: Vec<usize>,
+    /// Number of weights: the triangles of all visits.
+    pub(crate) weights: usize,
 }
 
 impl Layout {
@@ -160,8 +163,11 @@ impl Slots {
         slots.dedup();
         let place = |&(key, i): &(Key, usize)| (slots.partition_point(|slot| *slot < key), i);
         self.places.extend(self.keys.iter().map(place));
+        let visits = slot_visits(&slots);
+        let weights = visits.iter().map(|visit| factor_len(visit.slots.len()));
         self.layout = Arc::new(Layout {
-            visits: slot_visits(&slots),
+            weights: weights.sum(),
+            visits,
             point_of_slot: slots.iter().map(|key| key.point).collect(),
         });
         self.plan = Plan::default();

@@ -10,9 +10,11 @@ use crate::lane_vectors::{LaneVector, at, cross, dot, minus, plus, plus_times, t
 /// What ties the points of a batch to poses.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Tie {
-    /// Of the poses the vectors of their quaternions, the real parts, and where they take the origin, mm.
+    /// Of the poses the vectors of their quaternions, the real parts, the columns of the matrices of their rotations, and
+    /// where they take the origin, mm.
     turn: LaneVector,
     real: Lanes,
+    columns: [LaneVector; 3],
     shift_mm: LaneVector,
     /// Centroids of the points, mm.
     centre_mm: LaneVector,
@@ -56,13 +58,13 @@ impl Tie {
                 .extend(minus(at(points, point), self.centre_mm));
         }
         self.first = first;
-        let columns = self.columns();
+        self.columns = columns(self.turn, self.real);
         self.deformations.clear();
         for deformation in deformations {
             for point in 0..count {
                 let moved = |place: usize| &deformation.as_slice()[3 * place..][..3];
                 let moved = batch.of_places(bodies, point, moved);
-                self.deformations.extend(turned(columns, moved));
+                self.deformations.extend(turned(self.columns, moved));
             }
         }
     }
@@ -77,6 +79,7 @@ impl Tie {
         let across = plus(times(half, self.real), cross(half, self.turn));
         let real = self.real - dot(half, self.turn);
         (self.turn, self.real) = (times(plus(self.turn, across), scale), real * scale);
+        self.columns = columns(self.turn, self.real);
         let across = cross(half, minus(self.shift_mm, self.centre_mm));
         let twice = plus(across, cross(half, across));
         let by = times(twice, per_square + per_square);
@@ -91,11 +94,10 @@ impl Tie {
         shape_mm: &[Point3<f64>],
         points: &mut [Lanes],
     ) {
-        let columns = self.columns();
         for (point, place_mm) in points.chunks_exact_mut(3).enumerate() {
             let home_mm = |place: usize| shape_mm[place].coords.as_slice();
             let home_mm = batch.of_places(bodies, point, home_mm);
-            place_mm.copy_from_slice(&plus(turned(columns, home_mm), self.shift_mm));
+            place_mm.copy_from_slice(&plus(turned(self.columns, home_mm), self.shift_mm));
         }
     }
 
@@ -110,21 +112,20 @@ impl Tie {
             UnitQuaternion::new_unchecked(turn),
         )
     }
+}
 
-    /// The columns of the matrices of the rotations.
-    #[inline(always)]
-    fn columns(&self) -> [LaneVector; 3] {
-        let ([i, j, k], w) = (self.turn, self.real);
-        let two = Lanes::splat(2.0);
-        let (ii, jj, kk, ww) = (i * i, j * j, k * k, w * w);
-        let (ij, ik, jk) = (i * j * two, i * k * two, j * k * two);
-        let (wi, wj, wk) = (w * i * two, w * j * two, w * k * two);
-        [
-            [ww + ii - jj - kk, wk + ij, ik - wj],
-            [ij - wk, ww - ii + jj - kk, wi + jk],
-            [wj + ik, jk - wi, ww - ii - jj + kk],
-        ]
-    }
+/// The columns of the matrices of rotations, from their quaternions.
+#[inline(always)]
+fn columns([i, j, k]: LaneVector, w: Lanes) -> [LaneVector; 3] {
+    let two = Lanes::splat(2.0);
+    let (ii, jj, kk, ww) = (i * i, j * j, k * k, w * w);
+    let (ij, ik, jk) = (i * j * two, i * k * two, j * k * two);
+    let (wi, wj, wk) = (w * i * two, w * j * two, w * k * two);
+    [
+        [ww + ii - jj - kk, wk + ij, ik - wj],
+        [ij - wk, ww - ii + jj - kk, wi + jk],
+        [wj + ik, jk - wi, ww - ii - jj + kk],
+    ]
 }
 
 /// The product of matrices with these columns and vectors.

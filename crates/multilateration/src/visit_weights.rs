@@ -21,14 +21,14 @@ pub(crate) fn fill_weights(
         let (first, count) = (slots.start, slots.len());
         let (own, others) = rest.split_at_mut(factor_len(count));
         rest = others;
-        factor.clear();
+        factor.resize(factor_len(count), Lanes::ZERO);
         for i in 0..count {
-            append_factor_row(batch, noise, beams, (first, i), factor);
+            fill_factor_row(batch, noise, beams, (first, i), factor);
         }
         // L⁻¹ by rows: (L⁻¹)_ij = -Σ_k L_ik (L⁻¹)_kj / L_ii, and zero for what is missing.
         for i in 0..count {
             let row = &factor[factor_len(i)..factor_len(i + 1)];
-            let reciprocal = Lanes::splat(1.0) / row[i];
+            let reciprocal = row[i] * is_read(batch, first + i);
             for j in 0..i {
                 let mut sum = Lanes::ZERO;
                 for k in j..i {
@@ -38,24 +38,18 @@ pub(crate) fn fill_weights(
             }
             own[factor_len(i) + i] = reciprocal;
         }
-        for i in 0..count {
-            let there = is_read(batch, first + i);
-            for weight in &mut own[factor_len(i)..factor_len(i + 1)] {
-                *weight = *weight * there;
-            }
-        }
     }
 }
 
-/// Appends row `i` of the Cholesky factor of a visit whose slots start at `first`; a reading that is
-/// missing has unit variance and correlates with nothing.
+/// Row `i` of the Cholesky factor of a visit whose slots start at `first`, of the diagonal the reciprocal; a reading that
+/// is missing has unit variance and correlates with nothing.
 #[inline(always)]
-fn append_factor_row(
+fn fill_factor_row(
     batch: &Batch,
     noise: &Noise,
     beams: &Beams,
     (first, i): (usize, usize),
-    factor: &mut Vec<Lanes>,
+    factor: &mut [Lanes],
 ) {
     let repeatability_mm = if batch.is_bed {
         0.0
@@ -64,15 +58,15 @@ fn append_factor_row(
     };
     let repeatability_variance = Lanes::splat(repeatability_mm * repeatability_mm);
     let there = is_read(batch, first + i);
-    let start = factor.len();
+    let (above, row) = factor.split_at_mut(factor_len(i));
     for j in 0..i {
+        let of_j = &above[factor_len(j)..factor_len(j + 1)];
         let cosine = beams.cosine(first + i, first + j);
         let mut c = repeatability_variance * cosine * there * is_read(batch, first + j);
-        let above = factor_len(j);
         for k in 0..j {
-            c = factor[start + k].mul_add(-factor[above + k], c);
+            c = row[k].mul_add(-of_j[k], c);
         }
-        factor.push(c / factor[above + j]);
+        row[j] = c * of_j[j];
     }
     let own = own_variance(
         batch,
@@ -81,10 +75,10 @@ fn append_factor_row(
         beams.of_slots[first + i].distance_mm,
     ) + repeatability_variance;
     let mut c = own * there + (Lanes::splat(1.0) - there);
-    for x in &factor[start..] {
+    for x in &row[..i] {
         c = x.mul_add(-*x, c);
     }
-    factor.push(c.sqrt());
+    row[i] = Lanes::splat(1.0) / c.sqrt();
 }
 
 /// Variance of the length of a slot without the machine's repeatability, mm².
@@ -98,6 +92,9 @@ pub(crate) fn own_variance(batch: &Batch, noise: &Noise, slot: usize, distance_m
 /// One where there is a reading, zero where there is none.
 #[inline(always)]
 pub(crate) fn is_read(batch: &Batch, slot: usize) -> Lanes {
+    if batch.is_full() {
+        return Lanes::splat(1.0);
+    }
     let factors = batch.variance_factor(slot);
     Lanes::from_fn(|lane| f64::from(u8::from(factors.0[lane] > 0.0)))
 }

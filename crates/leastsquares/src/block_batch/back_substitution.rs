@@ -7,20 +7,6 @@ use crate::factors::Factors;
 use crate::lanes::{Lanes, add_times, lanes_only, scale, zeros};
 
 impl BlockBatch {
-    /// `x <- R⁻¹ x`.
-    #[inline(always)]
-    fn solve(factor: &[Lanes], x: &mut [Lanes]) {
-        let n = x.len();
-        for k in (0..n).rev() {
-            let mut sum = x[k];
-            for (r, x) in factor[k * n + k + 1..(k + 1) * n].iter().zip(&x[k + 1..]) {
-                lanes_only();
-                sum = r.mul_add(-*x, sum);
-            }
-            x[k] = sum * factor[k * n + k];
-        }
-    }
-
     /// Numbers that [`BlockBatch::keep`] writes for blocks with `unknowns` unknowns.
     pub fn kept_len(unknowns: usize) -> usize {
         unknowns * (unknowns + 1) / 2
@@ -30,12 +16,12 @@ impl BlockBatch {
     /// diagonal on. Rows are made again for it, which costs less than to keep them.
     #[inline(always)]
     pub fn keep(&self, kept: &mut [Lanes]) {
-        let n = self.shape.unknowns;
-        let mut kept = kept;
-        for (k, row) in self.factor.chunks_exact(n).enumerate() {
+        let (n, mut kept) = (self.shape.unknowns, kept);
+        let rows = self.system.chunks_exact(self.shape.system_len());
+        for (k, row) in rows.enumerate() {
             let own;
             (own, kept) = kept.split_at_mut(n - k);
-            own.copy_from_slice(&row[k..]);
+            own.copy_from_slice(&row[k..n]);
         }
     }
 
@@ -45,11 +31,10 @@ impl BlockBatch {
         let Shape {
             unknowns, in_runs, ..
         } = self.shape;
-        let length = self.shape.row_len();
+        let (length, residual) = (self.shape.row_len(), self.shape.residual());
         for (row, &start) in self.rows.chunks_exact_mut(length).zip(&self.starts) {
-            let (run, rest) = row[unknowns..].split_at(RUN);
-            let (others, residual) = rest.split_at(rest.len() - 1);
-            let mut left = residual[0];
+            let (run, others) = row[unknowns..residual].split_at(RUN);
+            let mut left = row[residual];
             if in_runs > 0 {
                 for (b, s) in run.iter().zip(&s[start..]) {
                     lanes_only();
@@ -60,7 +45,7 @@ impl BlockBatch {
                 lanes_only();
                 left = b.mul_add(Lanes::splat(-*s), left);
             }
-            row[length - 1] = left;
+            row[residual] = left;
         }
     }
 
@@ -68,25 +53,25 @@ impl BlockBatch {
     /// the other: what [`BlockBatch::whiten`] would do to both sides of their products.
     #[inline(always)]
     pub fn weigh(&mut self, first: usize, count: usize, triangle: &[Lanes]) {
-        let length = self.shape.row_len();
+        let (length, residual) = (self.shape.row_len(), self.shape.residual());
         let rows = &mut self.rows[first * length..][..count * length];
         for i in (0..count).rev() {
             let weights = &triangle[i * (i + 1) / 2..][..=i];
             let mut whitened = Lanes::ZERO;
             for (row, w) in rows.chunks_exact(length).zip(weights) {
                 lanes_only();
-                whitened = w.mul_add(row[length - 1], whitened);
+                whitened = w.mul_add(row[residual], whitened);
             }
             // Rows above keep theirs until they have been whitened: this one is needed no more.
-            rows[i * length + length - 1] = whitened;
+            rows[i * length + residual] = whitened;
         }
         for j in 0..count {
             let mut weighed = Lanes::ZERO;
             for (i, row) in rows.chunks_exact(length).enumerate().skip(j) {
                 lanes_only();
-                weighed = triangle[i * (i + 1) / 2 + j].mul_add(row[length - 1], weighed);
+                weighed = triangle[i * (i + 1) / 2 + j].mul_add(row[residual], weighed);
             }
-            rows[j * length + length - 1] = weighed;
+            rows[j * length + residual] = weighed;
         }
     }
 
@@ -96,56 +81,66 @@ impl BlockBatch {
     #[inline(always)]
     pub fn correction(&mut self, kept: &[Lanes]) -> &[Lanes] {
         let n = self.shape.unknowns;
-        let length = self.shape.row_len();
-        zeros(&mut self.factor, n * n);
-        let mut kept = kept;
-        for (k, row) in self.factor.chunks_exact_mut(n).enumerate() {
-            let own;
-            (own, kept) = kept.split_at(n - k);
-            row[k..].copy_from_slice(own);
-        }
+        let (length, residual) = (self.shape.row_len(), self.shape.residual());
         zeros(&mut self.own_column, n);
         for row in self.rows.chunks_exact(length) {
-            add_times(&mut self.own_column, row[length - 1], &row[..n]);
+            add_times(&mut self.own_column, row[residual], &row[..n]);
         }
         // R⁻ᵀ, then R⁻¹.
+        let mut rest = kept;
         for k in 0..n {
-            let x = self.own_column[k] * self.factor[k * n + k];
+            let row;
+            (row, rest) = rest.split_at(n - k);
+            let x = self.own_column[k] * row[0];
             self.own_column[k] = x;
-            add_times(
-                &mut self.own_column[k + 1..],
-                -x,
-                &self.factor[k * n + k + 1..(k + 1) * n],
-            );
+            add_times(&mut self.own_column[k + 1..], -x, &row[1..]);
         }
-        Self::solve(&self.factor, &mut self.own_column);
+        let mut rest = kept;
+        for k in (0..n).rev() {
+            let row;
+            (rest, row) = rest.split_at(rest.len() - (n - k));
+            let (x, known) = self.own_column[k..].split_at_mut(1);
+            let mut left = x[0];
+            for (r, x) in row[1..].iter().zip(known) {
+                lanes_only();
+                left = r.mul_add(-*x, left);
+            }
+            x[0] = left * row[0];
+        }
         &self.own_column
     }
 
-    /// Appends the factors `R⁻¹` and `Z = R⁻¹ [W | W_H]` of the blocks, which have these numbers; they are eliminated, and
+    /// Appends the factors `[R⁻¹ | Z] = R⁻¹ [1 | W | W_H]` of the blocks, which have these numbers; they are eliminated, and
     /// nothing but their rows is left of them.
     #[inline(always)]
     pub fn add_factors(&mut self, blocks: Range<usize>, factors: &mut Factors) {
-        let Shape { unknowns, .. } = self.shape;
-        let width = self.shape.width();
-        // Z, from the last row up.
-        for k in (0..unknowns).rev() {
-            let (row, below) = self.coupling[k * width..].split_at_mut(width);
-            let of_factor = &self.factor[k * unknowns..(k + 1) * unknowns];
-            for (r, other) in of_factor[k + 1..].iter().zip(below.chunks_exact(width)) {
-                add_times(row, -*r, other);
+        let Shape {
+            unknowns: n,
+            shared,
+            datum,
+            ..
+        } = self.shape;
+        let length = self.shape.system_len();
+        // From the last row up; what is below the diagonal stays zero.
+        for k in (0..n).rev() {
+            let (row, below) = self.system[k * length..].split_at_mut(length);
+            self.own_column.clear();
+            self.own_column.extend_from_slice(&row[k..n]);
+            row[..n].fill(Lanes::ZERO);
+            row[k] = Lanes::splat(1.0);
+            let others = below.chunks_exact(length).zip(&self.own_column[1..]);
+            for (j, (other, r)) in (k + 1..).zip(others) {
+                add_times(&mut row[j..], -*r, &other[j..]);
             }
-            scale(row, of_factor[k]);
+            scale(&mut row[k..], self.own_column[0]);
         }
-        let numbers = factors.begin(blocks, unknowns);
-        for k in 0..unknowns {
-            zeros(&mut self.own_column, unknowns);
-            self.own_column[k] = Lanes::splat(1.0);
-            Self::solve(&self.factor, &mut self.own_column);
-            numbers.extend_from_slice(&self.own_column);
-        }
-        for row in self.coupling.chunks_exact(width) {
-            numbers.extend_from_slice(&row[..width - 1]);
+        let numbers = factors.begin(blocks, n);
+        let rows = || self.system.chunks_exact(length);
+        rows().for_each(|row| numbers.extend_from_slice(&row[..n]));
+        for row in rows() {
+            let (of_shared, behind) = row[n..].split_at(shared);
+            numbers.extend_from_slice(of_shared);
+            numbers.extend_from_slice(&behind[1..=datum]);
         }
     }
 }

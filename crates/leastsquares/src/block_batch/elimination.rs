@@ -15,8 +15,28 @@ struct WeakPivot {
     pivot: f64,
 }
 
+impl WeakPivot {
+    /// The first lane of a column with no slack.
+    #[cold]
+    fn new(column: usize, slack: Lanes, left: Lanes, whole: Lanes) -> Self {
+        let has_slack = |lane: usize| slack.0[lane] > 0.0;
+        let lane = (0..LANES).find(|&lane| !has_slack(lane)).unwrap_or(0);
+        let (left, whole) = (left.0[lane], whole.0[lane]);
+        let pivot = match left.is_nan() {
+            true => f64::NAN,
+            false if whole > 0.0 => (left / whole).max(0.0).sqrt(),
+            false => 0.0,
+        };
+        Self {
+            lane,
+            column,
+            pivot,
+        }
+    }
+}
+
 impl BlockBatch {
-    /// Eliminates the blocks' own unknowns: makes `R` and `[W | W_H | c]`. `number` gives the number of the block in a lane and the
+    /// Eliminates the blocks' own unknowns: makes `[R | W | c | W_H]`. `number` gives the number of the block in a lane and the
     /// rows that it really has.
     ///
     /// # Errors
@@ -32,10 +52,7 @@ impl BlockBatch {
         } else {
             self.multiply();
             match self.factorise() {
-                Ok(()) => {
-                    self.couple();
-                    return Ok(());
-                }
+                Ok(()) => return Ok(()),
                 Err(weak) => weak,
             }
         };
@@ -57,7 +74,7 @@ impl BlockBatch {
         })
     }
 
-    /// `AᵀA` and `[AᵀB | H | Aᵀr]`.
+    /// `[AᵀA | AᵀB | Aᵀr | H]`.
     #[inline(always)]
     fn multiply(&mut self) {
         let Shape {
@@ -66,53 +83,49 @@ impl BlockBatch {
             datum,
             ..
         } = self.shape;
-        let (length, width) = (self.shape.row_len(), self.shape.width());
-        zeros(&mut self.factor, unknowns * unknowns);
-        zeros(&mut self.coupling, unknowns * width);
+        let (length, system_len) = (self.shape.row_len(), self.shape.system_len());
+        zeros(&mut self.system, unknowns * system_len);
         for range in Self::together(&self.starts) {
             let start = self.starts[range.start];
             let rows = &self.rows[range.start * length..range.end * length];
-            let products = (&mut self.factor[..], &mut self.coupling[..]);
-            match rows.len() / length {
-                1 => add_products(&self.shape, start, [rows], products),
-                _ => add_products(&self.shape, start, three(rows, length), products),
+            match range.len() {
+                1 => add_products(&self.shape, start, [rows], &mut self.system),
+                _ => add_products(&self.shape, start, three(rows, length), &mut self.system),
             }
         }
         for k in 0..datum {
             let column = self.datum[k * unknowns..(k + 1) * unknowns].iter();
-            for (x, row) in column.zip(self.coupling.chunks_exact_mut(width)) {
-                row[shared + k] = *x;
+            for (x, row) in column.zip(self.system.chunks_exact_mut(system_len)) {
+                row[unknowns + shared + 1 + k] = *x;
             }
         }
     }
 
-    /// `AᵀA = RᵀR`.
+    /// `AᵀA = RᵀR`, `[W | c | W_H] = R⁻ᵀ [AᵀB | Aᵀr | H]`.
     #[inline(always)]
     fn factorise(&mut self) -> Result<(), WeakPivot> {
-        let Shape { unknowns, .. } = self.shape;
+        let length = self.shape.system_len();
         let limit = Lanes::splat(BLOCK_RANK_TOL * BLOCK_RANK_TOL);
-        for k in 0..unknowns {
-            let (above, below) = self.factor.split_at_mut(k * unknowns);
-            let row = &mut below[k..unknowns];
+        for k in 0..self.shape.unknowns {
+            let (above, below) = self.system.split_at_mut(k * length);
+            let row = &mut below[k..length];
             let whole = row[0];
-            for before in above.chunks_exact(unknowns) {
+            let mut threes = above.chunks_exact(3 * length);
+            for rows in &mut threes {
+                let rows = three(rows, length).map(|row| &row[k..]);
+                add_several_times(row, rows.map(|row| -row[0]), rows);
+            }
+            for before in threes.remainder().chunks_exact(length) {
                 add_times(row, -before[k], &before[k..]);
             }
             let slack = row[0] - limit * whole;
             // Not a number is no slack, too.
-            let is_weak = |slack: f64| slack <= 0.0 || slack.is_nan();
-            if let Some(lane) = (0..LANES).find(|&lane| is_weak(slack.0[lane])) {
-                let (left, whole) = (row[0].0[lane], whole.0[lane]);
-                let pivot = match left.is_nan() {
-                    true => f64::NAN,
-                    false if whole > 0.0 => (left / whole).max(0.0).sqrt(),
-                    false => 0.0,
-                };
-                return Err(WeakPivot {
-                    lane,
-                    column: k,
-                    pivot,
-                });
+            let mut is_weak = false;
+            for slack in slack.0 {
+                is_weak |= slack.is_nan() | (slack <= 0.0);
+            }
+            if is_weak {
+                return Err(WeakPivot::new(k, slack, row[0], whole));
             }
             let reciprocal = Lanes::splat(1.0) / row[0].sqrt();
             row[0] = reciprocal;
@@ -148,64 +161,39 @@ impl BlockBatch {
         }
     }
 
-    /// `[W | W_H | c] = R⁻ᵀ [AᵀB | H | Aᵀr]`.
-    #[inline(always)]
-    fn couple(&mut self) {
-        let Shape { unknowns, .. } = self.shape;
-        let width = self.shape.width();
-        for k in 0..unknowns {
-            let (above, row) = self.coupling.split_at_mut(k * width);
-            let row = &mut row[..width];
-            let of_factor = |j: usize| -self.factor[j * unknowns + k];
-            let mut threes = above.chunks_exact(3 * width);
-            let mut j = 0;
-            for rows in &mut threes {
-                let factors = [of_factor(j), of_factor(j + 1), of_factor(j + 2)];
-                add_several_times(row, factors, three(rows, width));
-                j += 3;
-            }
-            for before in threes.remainder().chunks_exact(width) {
-                add_times(row, of_factor(j), before);
-                j += 1;
-            }
-            scale(row, self.factor[k * unknowns + k]);
-        }
-    }
-
     /// Adds the eliminated blocks to the sums of the reduced system.
     #[inline(always)]
     pub fn add_to(&self, sums: &mut LaneSums) {
         let Shape {
-            shared, in_runs, ..
+            unknowns, in_runs, ..
         } = self.shape;
-        let (unknowns, length) = (self.shape.unknowns, self.shape.row_len());
-        let has_runs = in_runs > 0;
+        let length = self.shape.row_len();
         for range in Self::together(&self.starts) {
-            let start = self.starts[range.start];
+            let start = (in_runs > 0).then_some(self.starts[range.start]);
             let rows = &self.rows[range.start * length..range.end * length];
-            let at = (has_runs, start, in_runs);
             match range.len() {
-                1 => sums.add_rows(at, [&rows[unknowns..]]),
-                _ => sums.add_rows(at, three(rows, length).map(|row| &row[unknowns..])),
+                1 => sums.add_rows((start, in_runs), [&rows[unknowns..]]),
+                _ => {
+                    let rows = three(rows, length).map(|row| &row[unknowns..]);
+                    sums.add_rows((start, in_runs), rows);
+                }
             }
         }
         for (k, closure) in self.closure.iter().enumerate() {
-            sums.add_to_closure(shared + k, *closure);
+            sums.add_to_closure(k, *closure);
         }
-        for row in self.coupling.chunks_exact(self.shape.width()) {
-            sums.take_off_row(row);
-        }
+        sums.take_off_rows(&self.system, self.shape.system_len(), unknowns);
     }
 }
 
-/// Adds the products of some whitened rows `[A | run | others | r]` of one run to `AᵀA`, upper triangle, and to
-/// `[AᵀB | H | Aᵀr]`.
+/// Adds the products of some whitened rows `[A | run | others | r]` of one run to `[AᵀA | AᵀB | Aᵀr | H]`, of `AᵀA` to the
+/// upper triangle.
 #[inline(always)]
 fn add_products<const N: usize>(
     shape: &Shape,
     start: usize,
     rows: [&[Lanes]; N],
-    (factor, coupling): (&mut [Lanes], &mut [Lanes]),
+    system: &mut [Lanes],
 ) {
     let &Shape {
         unknowns,
@@ -213,19 +201,16 @@ fn add_products<const N: usize>(
         shared,
         ..
     } = shape;
-    let (width, others) = (shape.width(), shared - in_runs);
-    let of_factor = factor.chunks_exact_mut(unknowns);
-    for (k, (squares, sums)) in of_factor.zip(coupling.chunks_exact_mut(width)).enumerate() {
+    for (k, sums) in system.chunks_exact_mut(shape.system_len()).enumerate() {
         let factors = rows.map(|row| row[k]);
-        add_several_times(&mut squares[k..], factors, rows.map(|row| &row[k..]));
+        let (own, sums) = sums.split_at_mut(unknowns);
+        add_several_times(&mut own[k..], factors, rows.map(|row| &row[k..]));
         let tails = rows.map(|row| &row[unknowns..]);
         if in_runs > 0 {
             add_several_times(&mut sums[start..start + RUN], factors, tails);
         }
         let tails = tails.map(|tail| &tail[RUN..]);
-        add_several_times(&mut sums[in_runs..shared], factors, tails);
-        let residuals = tails.map(|tail| &tail[others..]);
-        add_several_times(&mut sums[width - 1..], factors, residuals);
+        add_several_times(&mut sums[in_runs..=shared], factors, tails);
     }
 }
 
