@@ -116,7 +116,13 @@ impl Covariance {
 /// The symmetric matrix of block `i` of a batch.
 fn symmetric(batch: BatchFactors<'_>, i: usize, upper_triangles: &[Lanes]) -> DMatrix<f64> {
     let n = batch.inverse_factor.rows();
-    let mut matrix = batch.in_lane(i, LaneMatrix::by_rows(upper_triangles, [n; 2]));
-    matrix.fill_lower_triangle_with_upper_triangle();
+    let upper = LaneMatrix::by_rows(upper_triangles, [n; 2]);
+    let mut matrix = DMatrix::zeros(n, n);
+    for j in 0..n {
+        for k in j..n {
+            let element = batch.in_lane(i, upper.at(j, k));
+            (matrix[(j, k)], matrix[(k, j)]) = (element, element);
+        }
+    }
     matrix
 }

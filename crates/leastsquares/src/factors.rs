@@ -120,21 +120,25 @@ impl Factors {
     /// `R⁻¹` of block `i`.
     pub fn inverse_factor(&self, i: usize) -> DMatrix<f64> {
         let batch = self.batch_of(i);
-        batch.in_lane(i, batch.inverse_factor)
+        batch.matrix_in_lane(i, batch.inverse_factor)
     }
 
     /// `Zᵀ` of block `i`.
     pub fn coupling_transposed(&self, i: usize) -> DMatrix<f64> {
         let batch = self.batch_of(i);
-        batch.in_lane(i, batch.coupling.transposed())
+        batch.matrix_in_lane(i, batch.coupling.transposed())
     }
 }
 
 impl BatchFactors<'_> {
-    /// The matrix of block `i`, of those of all blocks side by side.
-    pub(crate) fn in_lane(&self, i: usize, matrix: LaneMatrix<'_>) -> DMatrix<f64> {
+    /// The number of block `i`, of those of all blocks side by side.
+    pub(crate) fn in_lane(&self, i: usize, lanes: Lanes) -> f64 {
+        lanes.0[i - self.first]
+    }
+
+    fn matrix_in_lane(&self, i: usize, matrix: LaneMatrix<'_>) -> DMatrix<f64> {
         DMatrix::from_fn(matrix.rows(), matrix.columns(), |j, k| {
-            matrix.at(j, k).0[i - self.first]
+            self.in_lane(i, matrix.at(j, k))
         })
     }
 }

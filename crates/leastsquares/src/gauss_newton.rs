@@ -194,10 +194,10 @@ const MOST_RATE: f64 = 0.1;
 /// [`Adjusted::termination`].
 pub fn adjust<M: Adjustment>(
     model: &M,
-    start: M::State,
+    start: &M::State,
     settings: &Settings,
 ) -> Result<Adjusted<M::State>, Error> {
-    let (mut state, mut next) = (start.clone(), start);
+    let (mut state, mut next) = (start.clone(), start.clone());
     let mut linearised = M::Linearised::default();
     let mut iterations = 0;
     // Lengths of the corrections since a step was shortened.

@@ -177,9 +177,11 @@ impl<'a, A: Element, B: Element, const NEGATIVE: bool> Product<'a, A, B, NEGATIV
         let mut i = 0;
         while i < rows {
             let first = if only_upper { i } else { 0 };
+            // Threes first where fours would leave a row alone or two.
             i += match rows - i {
-                ROWS.. => self.add_columns::<ROWS>(i, first),
-                2.. => self.add_columns::<2>(i, first),
+                left if left % ROWS == 0 => self.add_columns::<ROWS>(i, first),
+                3.. => self.add_columns::<3>(i, first),
+                2 => self.add_columns::<2>(i, first),
                 _ => self.add_columns::<1>(i, first),
             };
         }

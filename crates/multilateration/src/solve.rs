@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use trueaxis_leastsquares::{Adjusted, Adjustment, adjust};
+use trueaxis_leastsquares::{Adjusted, Adjustment, LANES, adjust};
 
 use crate::adjustment::GroupAdjustment;
 use crate::batches::{Batch, batches, check_seen};
@@ -72,7 +72,9 @@ pub fn refine<'a>(
     settings: &Settings,
 ) -> Result<Refined<'a>, Error> {
     network.check()?;
-    refine_batches((network, &batches_of(network)?), near, settings)
+    within_pool(network.groups.len().div_ceil(LANES), || {
+        refine_batches((network, &batches_of(network)?), near, settings)
+    })
 }
 
 /// [`refine`] for a checked network of these groups.
@@ -198,7 +200,7 @@ fn adjust_from<'a>(
 ) -> Result<Refined<'a>, Error> {
     within_pool(batches.len(), || {
         let model = GroupAdjustment::new(network, batches);
-        let adjusted = adjust(&model, start.clone(), &settings.iteration)
+        let adjusted = adjust(&model, &start, &settings.iteration)
             .map_err(|error| ran_away(network, &model, &start, named(network, error)))?;
         Ok(Refined {
             model,

@@ -1,10 +1,14 @@
 //! Values of all unknowns of a network.
 
+use std::ops::Range;
+
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use rayon::prelude::*;
 use trueaxis_kinematics::{centroid, polished};
 
 use crate::bodies::{Bodies, Placed};
 use crate::network::Network;
+use crate::pieces::split_mut;
 use crate::reflectors::constants_mm;
 
 /// Position and orientation.
@@ -12,6 +16,9 @@ pub(crate) const DATUM: usize = 6;
 
 /// Unknowns of a station.
 pub(crate) const PER_STATION: usize = 4;
+
+/// Groups that are worth handing to another thread: some 20 µs.
+const LEAST_GROUPS: usize = 128;
 
 /// Unknowns of a pose.
 pub(crate) const POSE: usize = 6;
@@ -78,19 +85,17 @@ impl State {
     fn place_bodies(&mut self, network: &Network, bodies: &Bodies) {
         let shapes = bodies.bodies.iter().map(|body| body.home_mm.clone());
         self.shapes_mm = shapes.collect();
-        for (group, placed) in network.groups.iter().zip(&bodies.of_groups) {
-            let points = &mut self.points[group.clone()];
-            let shape_mm = placed.body.map(|body| &self.shapes_mm[body]);
-            let pose = match shape_mm {
-                Some(shape_mm) => {
-                    let pose = placed.best_fit(shape_mm, points);
-                    placed.put(&pose, shape_mm, points);
-                    pose
-                }
-                None => placed.ref_from_home,
-            };
-            self.poses.push(pose);
-        }
+        self.poses = bodies.of_groups.iter().map(|g| g.ref_from_home).collect();
+        let points = split_mut(&mut self.points, network.groups.iter().map(Range::len));
+        let groups = points.into_par_iter().zip(&mut self.poses);
+        let groups = groups.zip(&bodies.of_groups).with_min_len(LEAST_GROUPS);
+        groups.for_each(|((points, pose), placed)| {
+            if let Some(body) = placed.body {
+                let shape_mm = &self.shapes_mm[body];
+                *pose = placed.best_fit(shape_mm, points);
+                placed.put(pose, shape_mm, points);
+            }
+        });
     }
 
     /// What all lengths have in common.
