@@ -131,3 +131,28 @@ fn squares_between(set: &CurveSet, thinned: &Thinned, values: &[f64]) -> f64 {
     }
     squares
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Point3, Vector3};
+    use trueaxis_effects::{Subject, effect};
+    use trueaxis_kinematics::{Axis, Component, Machine};
+
+    use super::*;
+    use crate::components::scene_of;
+
+    /// Of 600 positions a turn 300 are kept: seven waves are to these as 293 and 307, of which 600 positions tell 293.
+    #[test]
+    fn waves_of_a_turn_have_whole_aliases() {
+        let axis = Axis::rotary("C", Vector3::z(), [0.0, TAU], Point3::origin()).unwrap();
+        let machine = Machine::new(vec![axis.clone()], vec![0], vec![]).unwrap();
+        let scene = scene_of(&machine, vec![0]);
+        let positions = (0..600).map(|k| f64::from(k) * TAU / 600.0).collect();
+        let component = Component::ALL[5];
+        let (values, variances) = (vec![0.0; 600], vec![1.0; 600]);
+        let set = CurveSet::of_line(0, &axis, component, positions, values, variances);
+        let worm = effect("worm_gear").unwrap();
+        let candidate = Candidate::new(worm, Subject::axis(0), vec![7.0], &scene);
+        assert_eq!(aliases(&set, &candidate, 7.0), [293.0]);
+    }
+}
