@@ -20,7 +20,7 @@ impl DisturbanceView {
         let curve = of.curve.as_deref().unwrap_or_default();
         Self {
             name: of.name(),
-            figures: smooth(k, curve, argument(of), coordinates(of)),
+            figures: smooth(k, curve, argument(of), coordinates(of), axis(of)),
         }
     }
 }
@@ -54,9 +54,21 @@ fn coordinates(of: &Disturbance) -> &'static [&'static str] {
     }
 }
 
+/// The axis whose geometry it is.
+fn axis(of: &Disturbance) -> &str {
+    let name = of.subject.get("axis").and_then(serde_json::Value::as_str);
+    name.unwrap_or_default()
+}
+
 /// The course of a disturbance, a figure with its 95 % band for each coordinate, all to one scale; of the geometry of an axis at each
 /// of the positions where it is given.
-fn smooth(k: usize, curve: &[CurvePoint], x_label: &str, names: &[&str]) -> Vec<Figure> {
+fn smooth(
+    k: usize,
+    curve: &[CurvePoint],
+    x_label: &str,
+    names: &[&str],
+    axis: &str,
+) -> Vec<Figure> {
     if curve.iter().any(|point| point.at.is_empty()) {
         return Vec::new();
     }
@@ -78,7 +90,7 @@ fn smooth(k: usize, curve: &[CurvePoint], x_label: &str, names: &[&str]) -> Vec<
         let position = own[0].at.get(1);
         for (c, name) in names.iter().take(count).enumerate() {
             let title = match position {
-                Some(position) => format!("{name} at {}", fixed(*position, 0)),
+                Some(position) => format!("{name} at {axis} = {}", fixed(*position, 0)),
                 None if count == 1 => String::new(),
                 None => (*name).to_owned(),
             };
