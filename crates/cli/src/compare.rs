@@ -34,6 +34,15 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
     for (axis, kind, homes) in first.other_homes(&second) {
         notice(&other_home(axis, kind, &homes));
     }
+    for ([axis, other], at) in first.other_parking(&second) {
+        let [axis, other] = [axis, other].map(|index| &second.machine().axes()[index]);
+        let [a, b] = at.map(|q| place(other.kind(), q));
+        notice(&format!(
+            "{} was measured with {} at {a} first, at {b} then: if that axis bends or turns it, its curves differ by that",
+            axis.name(),
+            other.name(),
+        ));
+    }
     for (axis, kind, [a, b]) in first.other_travels(&second) {
         let travel = |[from, to]: [f64; 2]| match kind {
             AxisKind::Linear => format!("{from:.0} … {to:.0} mm"),
@@ -57,18 +66,30 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
     Ok(Exit::Good)
 }
 
+/// A position with its unit.
+fn place(kind: AxisKind, position: f64) -> String {
+    let unit = match kind {
+        AxisKind::Linear => " mm",
+        AxisKind::Rotary => "°",
+    };
+    format!(
+        "{}{unit}",
+        round(position_in_file(kind, position), DECIMALS)
+    )
+}
+
 /// What the differences of an axis refer to of which home was not a step in both calibrations.
 fn other_home(axis: &str, kind: AxisKind, homes: &[Vec<f64>; 2]) -> String {
-    let (errors, unit) = match kind {
-        AxisKind::Linear => ("positioning and angles", " mm"),
-        AxisKind::Rotary => ("what is along and about it", "°"),
+    let errors = match kind {
+        AxisKind::Linear => "positioning and angles",
+        AxisKind::Rotary => "what is along and about it",
     };
-    let place = |q: &f64| format!("{}{unit}", round(position_in_file(kind, *q), DECIMALS));
+    let place = |q: &f64| place(kind, *q);
     let [first, second] = homes.each_ref().map(|steps| match steps.as_slice() {
         [low, high] => format!("on the line from {} to {}", place(low), place(high)),
         steps => format!("at {}", steps.iter().map(place).collect::<String>()),
     });
-    let not_measured = format!("{axis}: home, 0{unit}, was not measured");
+    let not_measured = format!("{axis}: home, {}, was not measured", place(&0.0));
     match first == second {
         true => format!(
             "{not_measured}: {errors} are zero {first} in both calibrations, so that no difference says what has \

@@ -24,6 +24,9 @@ const SAME_TRAVEL: f64 = 0.02;
 /// Steps that are closer together are one, mm or rad: files round degrees to 1e-9.
 const SAME_HOME: f64 = 1e-9;
 
+/// Axes that stood closer together stood alike, mm or rad: no coupling shows over so little.
+const SAME_PARKING: f64 = 0.1;
+
 /// A component error at a step, or a location error, in both calibrations: mm or rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Difference {
@@ -180,6 +183,27 @@ impl CalibratedMachine {
             !same || is_elsewhere(a)
         })
         .collect()
+    }
+
+    /// Axes that were measured while another one stood elsewhere in `second`, with the indices of both in that machine and where the
+    /// other one stood, mm or rad: what couples them makes other curves.
+    pub fn other_parking<'a>(&'a self, second: &'a Self) -> Vec<([usize; 2], [f64; 2])> {
+        let stood = |machine: &Self, axis: usize, name: &str| {
+            let other = machine.machine.axis_index(name);
+            let positions = machine.parked.get(&axis).zip(other);
+            positions.map_or(0.0, |(positions, other)| positions[other])
+        };
+        let mut all = Vec::new();
+        for (_, a, b) in self.pairs(second) {
+            for (other, geometry) in second.machine.axes().iter().enumerate() {
+                let [first_at, second_at] =
+                    [(self, a), (second, b)].map(|(m, own)| stood(m, own.axis, geometry.name()));
+                if (first_at - second_at).abs() > SAME_PARKING {
+                    all.push(([b.axis, other], [first_at, second_at]));
+                }
+            }
+        }
+        all
     }
 
     /// The axes that both measured, by name.

@@ -119,3 +119,24 @@ fn a_home_that_was_not_measured_is_told() {
     assert_eq!(told, [("X", AxisKind::Linear, homes)]);
     assert!(around.other_homes(&around).is_empty());
 }
+
+/// With Y at 200 mm in the run of X its curves hold what Y does to it there: the place is told, of that pair alone.
+#[test]
+fn an_axis_that_was_parked_elsewhere_is_told() {
+    let json = include_str!("../../../../campaigns/fxyz/scenario.json");
+    let run = "\"axis\": \"X\", \"sweep\"";
+    let parked = json.replace(
+        run,
+        "\"axis\": \"X\", \"parked\": { \"Y\": 200 }, \"sweep\"",
+    );
+    assert_ne!(parked, json);
+    let [home, parked] =
+        [json, &parked].map(|text| calibrated(&Scenario::from_json(text).unwrap(), 2));
+    let told = home.other_parking(&parked);
+    let [(axes, at)] = told[..] else {
+        panic!("{told:?}")
+    };
+    assert_eq!(axes, [0, 1]);
+    assert!(at[0].abs() < 1e-9 && (at[1] - 200.0).abs() < 1e-9, "{at:?}");
+    assert!(parked.other_parking(&parked).is_empty());
+}

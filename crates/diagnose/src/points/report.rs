@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use trueaxis_campaign::{Campaign, Points};
-use trueaxis_effects::{Level, ResolvedEffect, Scene};
+use trueaxis_effects::{Level, ResolvedEffect, Scene, Shape};
 
 use crate::engine::{
     Candidates, Competed, Found, HeldOut, Measured, OMNIBUS_LEVEL, Omnibus, Search, Suspect,
@@ -49,7 +49,7 @@ pub(crate) fn diagnose_points(
     let mut believed = Believed::search(&screened.base, plain, &all)?;
     if !believed.found().is_empty() {
         // What stood out of everything may have been a part of a cause, or have hidden beneath it.
-        let again = Screened::beside(campaign, points, scene, &suspects(believed.found()));
+        let again = Screened::beside_any(campaign, points, scene, suspects(believed.found()));
         if again.numbers() != screened.numbers() {
             let plain = Model::estimated(&again.base, &[]);
             believed = Believed::search(&again.base, plain, &all)?;
@@ -109,6 +109,35 @@ impl<'a> Screened<'a> {
             }
             gross.extend(next);
         }
+    }
+
+    /// Beside causes as they are, or with their instants on the other side of one of the points that are left out: an instant that was
+    /// found without that point is uncertain just there.
+    fn beside_any(
+        campaign: &'a Campaign,
+        points: &Points,
+        scene: &'a Scene,
+        causes: Vec<Suspect>,
+    ) -> Self {
+        let mut best = Self::beside(campaign, points, scene, &causes);
+        let times_s = best.gross.iter().map(|g| points.readings[g.number].time_s);
+        for time_s in times_s.collect::<Vec<f64>>() {
+            let mut moved = causes.clone();
+            for own in &mut moved {
+                if own.hypothesis.effect.shape == Shape::Instant {
+                    // At its very time a point is before it.
+                    own.shape = match own.shape < time_s {
+                        true => time_s,
+                        false => time_s.next_down(),
+                    };
+                }
+            }
+            let other = Self::beside(campaign, points, scene, &moved);
+            if !other.are_many && other.gross.len() < best.gross.len() {
+                best = other;
+            }
+        }
+        best
     }
 
     fn numbers(&self) -> Vec<usize> {

@@ -11,7 +11,7 @@ use trueaxis_campaign::{
     Campaign, Direction, PointReading, Points, Run, Step, Stop, Target, Verification,
     VerificationKind, VerificationReading,
 };
-use trueaxis_diagnose::{Diagnosis, Settings, Verdict, diagnose_against};
+use trueaxis_diagnose::{Diagnosis, Rival, Settings, Verdict, diagnose_against};
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_predict::CalibratedMachine;
 
@@ -171,31 +171,33 @@ fn lines_show_a_coupling_from_where_the_axis_was_calibrated() {
     let there = diagnosed(&calibration, vec![line(PARKED_MM[0], &mut random)]);
     assert_eq!(there.verdict, Verdict::Clean, "{}", summary(&there));
     let home = diagnosed(&calibration, vec![line(0.0, &mut random)]);
-    let cause = &home.causes[0];
-    let rivals = cause.rivals.iter().filter_map(|rival| match rival {
-        trueaxis_diagnose::Rival::Effect { effect, .. } => Some(effect.effect.id),
-        trueaxis_diagnose::Rival::Disturbance { .. } => None,
-    });
-    let mut names: Vec<&str> = rivals.chain([cause.effect.effect.id]).collect();
-    names.sort_unstable();
+    let names = alike(&home);
     assert!(
         names.contains(&"cross_coupling") && names.contains(&"scale_error"),
         "{names:?}"
     );
 }
 
-/// On a circle the coupling shows with the same sizes.
-#[test]
-fn a_ball_bar_shows_a_coupling_from_where_the_axes_were_calibrated() {
-    const CENTRE_MM: [f64; 2] = [200.0, 200.0];
-    const RADIUS_MM: f64 = 150.0;
-    let mut random = generator(4, 62);
-    let calibration = calibrated(&mut random);
-    let direction = |k: i32| {
+/// What explains the first cause as well, with it.
+fn alike(diagnosis: &Diagnosis) -> Vec<&'static str> {
+    let cause = &diagnosis.causes[0];
+    let rivals = cause.rivals.iter().filter_map(|rival| match rival {
+        Rival::Effect { effect, .. } => Some(effect.effect.id),
+        Rival::Disturbance { .. } => None,
+    });
+    rivals.chain([cause.effect.effect.id]).collect()
+}
+
+const CENTRE_MM: [f64; 2] = [200.0, 200.0];
+const RADIUS_MM: f64 = 150.0;
+
+/// A circle in XY.
+fn circle(random: &mut ChaCha8Rng) -> Verification {
+    let at = |k: i32| {
         let angle = f64::from(k) * std::f64::consts::TAU / 72.0;
-        [angle.cos(), angle.sin()]
+        let [x, y] = CENTRE_MM;
+        [x + RADIUS_MM * angle.cos(), y + RADIUS_MM * angle.sin()]
     };
-    let at = |k| [0, 1].map(|c| CENTRE_MM[c] + RADIUS_MM * direction(k)[c]);
     let places: Vec<[f64; 2]> = (0..72).map(at).collect();
     let kind = VerificationKind::Ballbar {
         ball_mm: Point3::new(0.0, 0.0, 50.0),
@@ -207,8 +209,15 @@ fn a_ball_bar_shows_a_coupling_from_where_the_axes_were_calibrated() {
         let off_um = coupling_um(x, y);
         (off_um[0] * (x - CENTRE_MM[0]) + off_um[1] * (y - CENTRE_MM[1])) / RADIUS_MM
     };
-    let circle = read("DBB in XY", kind, &places, along_bar, &mut random);
-    let diagnosis = diagnosed(&calibration, vec![circle]);
+    read("DBB in XY", kind, &places, along_bar, random)
+}
+
+/// On a circle the coupling shows with the same sizes.
+#[test]
+fn a_ball_bar_shows_a_coupling_from_where_the_axes_were_calibrated() {
+    let mut random = generator(4, 62);
+    let calibration = calibrated(&mut random);
+    let diagnosis = diagnosed(&calibration, vec![circle(&mut random)]);
     for (name, c) in [("coupling_x", C[0]), ("coupling_y", C[1])] {
         let [value, u] = found(&diagnosis, name);
         assert!(
