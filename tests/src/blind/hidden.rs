@@ -75,7 +75,7 @@ pub enum Act {
         guide_um: Vector3<f64>,
         /// At the end of the range, µm.
         bend_um: Vector3<f64>,
-        /// At the end of the range, about the origin of the stage at home, arc seconds.
+        /// At the end of the range, about the centroid of the targets, arc seconds.
         turn_arcsec: Vector3<f64>,
     },
     /// Lengths of a station depend on where the axis under test is: a wave over its range.

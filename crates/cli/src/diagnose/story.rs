@@ -144,7 +144,7 @@ fn to_do(varies_with: &[&str]) -> &'static str {
     } else if has("time") || has("cycle") || varies_with.is_empty() {
         "look for what changes like this (a warm-up, air conditioning, neighbours, the instrument's mount, the floor) \
          before the calibration is used"
-    } else if has("direction") || has("direction in time") {
+    } else if has("direction") {
         "look at the drive of the axis and at how the control stops: what differs between the sides of \
          approach is in neither the air nor the floor"
     } else {

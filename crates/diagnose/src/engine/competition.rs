@@ -7,8 +7,8 @@
 //! though something that wanders might have done it, and three stacked causes do not beat one disturbance.
 //!
 //! A cause in time that leaves a tenth of what it explains to a disturbance of the same thing does not describe how
-//! that thing moves, and loses its name ([`is_of`]). So does one that explains less than a twentieth of what an axis does whose
-//! geometry or drive changes with time: no basis of low degree is quite what a machine does that warms up.
+//! that thing moves, and loses its name ([`is_of`]). So does one whose statistic is less than a twentieth of the evidence that the
+//! geometry or the drive of an axis changes with time: no basis of low degree is quite what a machine does that warms up.
 
 use trueaxis_effects::Layer;
 

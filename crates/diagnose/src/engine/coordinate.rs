@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 use trueaxis_effects::{Circumstances, Displaced, Effect, Subject, effect};
-use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, MICROMETRE};
+use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, Ideal, MICROMETRE};
 
 /// One of the things that move in a course of their own.
 #[derive(Debug, Clone, Copy)]
@@ -14,8 +14,18 @@ pub(crate) enum Coordinate {
     Geometry(Motion, Law),
 }
 
+impl Coordinate {
+    /// The same wherever the axis stands.
+    pub(crate) fn without_law(self) -> Self {
+        match self {
+            Self::Geometry(motion, _) => Self::Geometry(motion, Law::Constant),
+            effect @ Self::Effect(..) => effect,
+        }
+    }
+}
+
 /// How something is moved that an axis carries.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Motion {
     /// The axis goes further.
     Along,
@@ -25,16 +35,17 @@ pub(crate) enum Motion {
     Turned(usize),
 }
 
-/// How it depends on where the axis stands: Legendre's polynomials of the position of a linear axis over its travel, and
-/// `1, cos φ, sin φ` of a rotary one.
+/// How it depends on where the axis stands.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Law(usize);
-
-/// Forms of a displacement over the position: what is turned, straight and bent.
-const OF_DISPLACEMENT: usize = 3;
-
-/// Forms of a turn of the stage of a linear axis, and of a rotary one.
-const OF_TURN: [usize; 2] = [2, 3];
+pub(crate) enum Law {
+    Constant,
+    /// The part of the travel beyond its middle, from -½ to ½.
+    FromMiddle,
+    /// `u`, the part of the travel beyond home; of a rotary axis `cos φ - 1`.
+    First,
+    /// `u²`; of a rotary axis `sin φ`.
+    Second,
+}
 
 /// The first parameters of an effect of the catalogue.
 pub(crate) fn parameters(id: &str, count: usize) -> impl Iterator<Item = Coordinate> {
@@ -42,44 +53,53 @@ pub(crate) fn parameters(id: &str, count: usize) -> impl Iterator<Item = Coordin
     known.flat_map(move |effect| (0..count).map(move |k| Coordinate::Effect(effect, k)))
 }
 
-/// A linear axis grows and shrinks, and nobody knows the point from which: the middle of its travel, and one end against it.
-pub(crate) fn scale() -> impl Iterator<Item = Coordinate> {
-    (0..2).map(|degree| Coordinate::Geometry(Motion::Along, Law(degree)))
+/// A linear axis grows and shrinks, and nobody knows the point from which.
+pub(crate) fn scale() -> Vec<Coordinate> {
+    let laws = [Law::Constant, Law::FromMiddle];
+    laws.map(|law| Coordinate::Geometry(Motion::Along, law))
+        .into()
 }
 
-/// An axis guides otherwise: straight, bent, turned, from its parts displaced.
+/// The geometry of an axis changes: squareness, straightness, bow and tilts. At home all components are zero (the gauge); what moves
+/// there is the machine.
 pub(crate) fn geometry(kind: AxisKind) -> Vec<Coordinate> {
-    let of_turn = OF_TURN[usize::from(kind == AxisKind::Rotary)];
-    let displaced = (0..3).map(|along| (Motion::Displaced(along), OF_DISPLACEMENT));
-    let turned = (0..3).map(|about| (Motion::Turned(about), of_turn));
-    let laws = |(motion, count)| (0..count).map(move |k| Coordinate::Geometry(motion, Law(k)));
-    displaced.chain(turned).flat_map(laws).collect()
+    let of_turn: &[Law] = match kind {
+        AxisKind::Linear => &[Law::First],
+        AxisKind::Rotary => &[Law::First, Law::Second],
+    };
+    let displaced = (0..3).map(|k| (Motion::Displaced(k), [Law::First, Law::Second].as_slice()));
+    let turned = (0..3).map(|k| (Motion::Turned(k), of_turn));
+    let by_law = |(motion, laws): (Motion, &'static [Law])| {
+        laws.iter()
+            .map(move |&law| Coordinate::Geometry(motion, law))
+    };
+    displaced.chain(turned).flat_map(by_law).collect()
 }
 
 /// A curve in which coordinates are shown: a factor of each of some of them.
 pub(crate) type Shown = Vec<(usize, f64)>;
 
-/// What is shown of coordinates with the displacement of each by a unit, µm: each by itself; of a scale the middle, and how much
-/// further one end is from the other; of a geometry the motions of the stage at a place where the laws of the axis have these values.
-pub(crate) fn shown(coordinates: &[Coordinate], units_um: &[f64], laws: &[f64; 3]) -> Vec<Shown> {
-    let mut shown: Vec<Shown> = Vec::new();
-    for (c, (coordinate, &unit_um)) in coordinates.iter().zip(units_um).enumerate() {
-        match *coordinate {
-            Coordinate::Effect(..) | Coordinate::Geometry(_, Law(0)) => {
-                shown.push(vec![(c, unit_um)]);
-            }
-            // From one end to the other the law goes from -1 to 1.
-            Coordinate::Geometry(Motion::Along, _) => shown.push(vec![(c, 2.0)]),
-            Coordinate::Geometry(_, Law(degree)) => {
-                // They follow the first law of their motion.
-                if let Some(own) = shown.last_mut() {
-                    let of_first_um = own[0].1;
-                    own.push((c, of_first_um * laws[degree]));
+/// What is shown of coordinates, with the displacement by a unit of each without its law, µm: each by itself; of a geometry the motions
+/// of the stage where the axis is at a position, turns by what they displace.
+pub(crate) fn shown(
+    coordinates: &[Coordinate],
+    units_um: &[f64],
+    geometry_at: Option<(&Axis, f64)>,
+) -> Vec<Shown> {
+    let mut shown: Vec<(Option<Motion>, Shown)> = Vec::new();
+    for (c, coordinate) in coordinates.iter().enumerate() {
+        match (*coordinate, geometry_at) {
+            (Coordinate::Geometry(motion, law), Some((axis, position))) => {
+                let own = (c, units_um[c] * law.at(axis, position));
+                match shown.last_mut() {
+                    Some((Some(last), all)) if *last == motion => all.push(own),
+                    _ => shown.push((Some(motion), vec![own])),
                 }
             }
+            _ => shown.push((None, vec![(c, units_um[c])])),
         }
     }
-    shown
+    shown.into_iter().map(|(_, own)| own).collect()
 }
 
 /// What a unit of each coordinate does to a reading.
@@ -100,34 +120,50 @@ pub(crate) fn moved(
     moved.collect()
 }
 
-/// The laws at a position of an axis, mm or rad.
-pub(crate) fn laws(axis: &Axis, position: f64) -> [f64; 3] {
-    match axis.kind() {
-        AxisKind::Linear => {
-            let [low, high] = axis.travel();
-            let x = (2.0 * position - low - high) / (high - low);
-            [1.0, x, 1.5 * x * x - 0.5]
+impl Law {
+    /// Where an axis stands at a position, mm or rad.
+    fn at(self, axis: &Axis, position: f64) -> f64 {
+        let [low, high] = axis.travel();
+        let u = position / (high - low);
+        match (self, axis.kind()) {
+            (Self::Constant, _) => 1.0,
+            (Self::FromMiddle, _) => u - 0.5 * (low + high) / (high - low),
+            (Self::First, AxisKind::Linear) => u,
+            (Self::Second, AxisKind::Linear) => u * u,
+            (Self::First, AxisKind::Rotary) => position.cos() - 1.0,
+            (Self::Second, AxisKind::Rotary) => position.sin(),
         }
-        AxisKind::Rotary => [1.0, position.cos(), position.sin()],
     }
 }
 
 /// What an axis carries, at a reading.
-struct Stage {
+struct Stage<'a> {
+    axis: &'a Axis,
     /// What the axis moves the target by, 1 mm or 1 rad.
     along: Vector3<f64>,
     ref_from_base: Rotation3<f64>,
+    /// From the pivot, which the stage of the axis carries: where the centroid of the targets would be if all that stands on it were at
+    /// home.
     arm_mm: Vector3<f64>,
-    laws: [f64; 3],
+    /// Where the axis stands, mm or rad.
+    position: f64,
 }
 
-impl Stage {
-    fn new(axis: usize, at: &Circumstances<'_>) -> Self {
+impl<'a> Stage<'a> {
+    fn new(axis: usize, at: &Circumstances<'a>) -> Self {
+        let motion = |carrier| at.machine.motion(&Ideal, carrier, at.positions);
+        let pivot_mm = match at.carrier == Some(axis) {
+            true => at.centroid_mm,
+            false => {
+                motion(Some(axis)) * motion(at.carrier).inverse_transform_point(&at.centroid_mm)
+            }
+        };
         Self {
+            axis: &at.machine.axes()[axis],
             along: at.unit_motion(axis),
             ref_from_base: at.ref_from_base(axis).rotation.to_rotation_matrix(),
-            arm_mm: at.point_mm - at.centroid_mm,
-            laws: laws(&at.machine.axes()[axis], at.position(axis)),
+            arm_mm: at.point_mm - pivot_mm,
+            position: at.position(axis),
         }
     }
 
@@ -139,6 +175,6 @@ impl Stage {
             Motion::Displaced(k) => direction(k) * MICROMETRE,
             Motion::Turned(k) => direction(k).cross(&self.arm_mm) * ARCSEC,
         };
-        moved * self.laws[law.0]
+        moved * law.at(self.axis, self.position)
     }
 }

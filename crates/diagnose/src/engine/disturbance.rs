@@ -24,7 +24,7 @@
 //! | axis | lost motion, without its mean | position, by side of approach | 8 | x | x |
 //! | axis | lost motion, without its mean | time, by side of approach | 8 | x | x |
 //! | axis | its scale: the middle of its travel, and one end against it | time | 16 | x | x |
-//! | axis | its geometry ([`mod@super::coordinate`]) | time, and position in a law of low degree | 8 | x | x |
+//! | axis | its geometry ([`mod@super::coordinate`]) | time, by functions of its position | 8 | x | x |
 //!
 //! An axis over position is none: the base model's free poses take it, and so they take the mean of its geometry. Without targets on the bed the machine in time
 //! and all tripods (the frame without its rotations) in time are one thing under two names, and always given as two.
@@ -136,11 +136,6 @@ impl Wanderer {
         is_of_axis && self.with != With::Sides
     }
 
-    /// Whether it is what leads the stage of an axis, running or parked.
-    fn is_of_stage(self) -> bool {
-        matches!(self.with, With::Campaign | With::TimeAndPosition)
-    }
-
     /// What moves as it moves.
     pub(crate) fn coordinates(self, scene: &Scene) -> Vec<Coordinate> {
         let moved: &[(&str, usize)] = match (self.who, self.with) {
@@ -155,7 +150,7 @@ impl Wanderer {
             (Who::Axis(axis), With::TimeAndPosition) => {
                 return geometry(scene.machine.axes()[axis].kind());
             }
-            (Who::Axis(_), With::Campaign) => return scale().collect(),
+            (Who::Axis(_), With::Campaign) => return scale(),
             (Who::Axis(_), _) => &[("backlash", 1)],
         };
         let all = moved.iter().flat_map(|&(id, count)| parameters(id, count));
@@ -179,8 +174,8 @@ impl Wanderer {
             Who::Machine | Who::Tripods | Who::Frame | Who::Air => true,
             Who::Station(station) => here.station == station,
             Who::Target(target) => here.target == target,
-            // Where a parked axis stands it is led otherwise, too.
-            Who::Axis(_) if self.is_of_stage() => true,
+            // A parked axis stands somewhere, too.
+            Who::Axis(_) if matches!(self.with, With::Campaign | With::TimeAndPosition) => true,
             Who::Axis(axis) => here.axis == Some(axis),
         };
         let place = match self.with {

@@ -1,12 +1,12 @@
 //! Report of what wanders: how much, how fast, and its curve, with units.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use trueaxis_effects::{Level, Subject};
-use trueaxis_kinematics::AxisKind;
+use trueaxis_kinematics::{Axis, AxisKind};
 
 use crate::engine::Posterior;
-use crate::engine::coordinate::{self, Coordinate, Shown, laws};
+use crate::engine::coordinate::{self, Coordinate, Shown};
 use crate::engine::disturbance::{Here, Wanderer, Who, With};
 use crate::engine::wandering::{JudgedDisturbance, Wanders, units_um, whitened_columns};
 use crate::selection::{combined, dot};
@@ -194,8 +194,8 @@ impl<'h> Coefficients<'h> {
                 }
                 _ => range(base, self.all, self.wanderer, axis).0,
             };
-            for (position, laws) in self.places(base) {
-                let shown = coordinate::shown(&self.coordinates, &self.units_um, &laws);
+            for (position, geometry_at) in self.places(base) {
+                let shown = coordinate::shown(&self.coordinates, &self.units_um, geometry_at);
                 for point in 0..points {
                     let x = point as f64 / (points - 1) as f64;
                     let (value_um, u_um) = self.at(course, x, &shown);
@@ -211,24 +211,24 @@ impl<'h> Coefficients<'h> {
         curve
     }
 
-    /// Where the geometry of an axis is shown, mm or deg, with the laws there: at both ends of its travel, or a quarter of a turn
-    /// apart.
-    fn places<D: Wanders>(&self, base: &D) -> Vec<(Option<f64>, [f64; 3])> {
+    /// Where the geometry of an axis is shown, mm or deg, and the axis at this position, mm or rad: at the ends of what was measured
+    /// that are not home, of a rotary axis a quarter of a turn apart.
+    fn places<'b, D: Wanders>(&self, base: &'b D) -> Vec<(Option<f64>, Option<(&'b Axis, f64)>)> {
         let (Who::Axis(axis), With::TimeAndPosition) = (self.wanderer.who, self.wanderer.with)
         else {
-            return vec![(None, [1.0; 3])];
+            return vec![(None, None)];
         };
         let own = &base.scene().machine.axes()[axis];
         let [low, high] = base.ends(axis);
-        let far = match own.kind() {
-            AxisKind::Linear => high,
-            AxisKind::Rotary => high.min(low + FRAC_PI_2),
+        let places = match own.kind() {
+            AxisKind::Linear => [low, high],
+            AxisKind::Rotary => [high.min(low + FRAC_PI_2), high.min(low + PI)],
         };
-        let place = |position| {
-            let shown = of_axis(base, axis)(position);
-            (Some(shown), laws(own, position))
-        };
-        [low, far].map(place).into()
+        let away = places
+            .into_iter()
+            .filter(|place| place.abs() > 0.05 * (high - low));
+        away.map(|place| (Some(of_axis(base, axis)(place)), Some((own, place))))
+            .collect()
     }
 
     /// All that is shown at a place of a course, 0 to 1, and its standard uncertainties, µm: from the mean over the

@@ -68,10 +68,11 @@ pub(crate) trait Wanders: Measured + Clone + Send {
     fn with(model: &Self::Model, projection: Projection) -> Self::Model;
 }
 
-/// How far a unit of each coordinate moves things, rms over the readings that it concerns, µm. Lost motion is twice what it
-/// moves.
+/// How far a unit of each coordinate moves things, rms over the readings that it concerns, µm; of the motions of a stage as if they were
+/// the same wherever the axis stands. Lost motion is twice what it moves.
 pub(crate) fn units_um<D: Wanders>(data: &D, model: &D::Model, wanderer: Wanderer) -> Vec<f64> {
-    let coordinates = wanderer.coordinates(data.scene());
+    let coordinates = wanderer.coordinates(data.scene()).into_iter();
+    let coordinates: Vec<Coordinate> = coordinates.map(Coordinate::without_law).collect();
     let moved = data.moved(model, &coordinates, &wanderer.subject());
     let times = match wanderer.with {
         With::Sides | With::SidesInTime => 2.0,

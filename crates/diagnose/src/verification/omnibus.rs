@@ -21,6 +21,9 @@ use crate::verification::base::{count, cycles, indicators, lines};
 use crate::verification::comparison::Comparison;
 use crate::verification::problem::Problem;
 
+/// The sides of approach differ by what changes with time.
+pub(crate) const IN_TIME: &str = "direction in time";
+
 /// Waves of each family.
 const WAVES: usize = 6;
 
@@ -67,7 +70,7 @@ pub(crate) fn families(
         family("time", time),
         family("position", by_line),
         family("direction", of_direction),
-        family("direction in time", of_direction_in_time),
+        family(IN_TIME, of_direction_in_time),
         family("cycle", of_cycle),
     ]
 }

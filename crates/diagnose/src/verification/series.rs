@@ -10,7 +10,7 @@ use crate::verification::competition::{Model, compete, only};
 use crate::verification::doubted::doubted;
 use crate::verification::held_out::{HeldOut, gain, held_out};
 use crate::verification::lost_motion::FORMS;
-use crate::verification::omnibus::{omnibus, repeats_with_cycle};
+use crate::verification::omnibus::{IN_TIME, omnibus, repeats_with_cycle};
 use crate::verification::problem::Problem;
 use crate::verification::report;
 use crate::verification::wandered::{Course, wandered};
@@ -189,6 +189,14 @@ fn with_closest(problem: &Problem<'_>, left: Unexplained) -> Unexplained {
     Unexplained { note, ..left }
 }
 
+/// What a test looks for, in the words of what is unexplained.
+fn words(varies_with: &'static str) -> Vec<&'static str> {
+    match varies_with {
+        IN_TIME => vec!["direction", "time"],
+        other => vec![other],
+    }
+}
+
 /// Structure that the causes leave.
 fn unexplained(
     problem: &Problem<'_>,
@@ -203,14 +211,17 @@ fn unexplained(
         t.drop - columns * rest / (after.degrees_of_freedom - columns).max(1.0)
     });
     let excess = excess.reduce(f64::max)?;
-    let mut varies_with: Vec<&'static str> = clear().map(|t| t.test.varies_with).collect();
+    let mut varies_with: Vec<&'static str> = Vec::new();
+    for with in clear().flat_map(|t| words(t.test.varies_with)) {
+        if !varies_with.contains(&with) {
+            varies_with.push(with);
+        }
+    }
     let period = clear().find_map(|t| t.test.detail.as_deref());
     let note = match period {
         Some(period) if repeats_with_cycle(problem, after) => {
             // No air conditioning keeps step with the machine.
-            varies_with.retain(|with| {
-                !["time", "position", "direction", "direction in time"].contains(with)
-            });
+            varies_with.retain(|with| !["time", "position", "direction"].contains(with));
             varies_with.extend(["position", "direction"]);
             let others = match varies_with.contains(&"cycle") {
                 true => "; it varies with cycle, too",

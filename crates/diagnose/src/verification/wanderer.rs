@@ -191,7 +191,8 @@ impl Wanderer {
             Self::Machine => comparison.points[row].along.as_slice().to_vec(),
             // Nobody knows the point from which it grows.
             Self::Scale => vec![1.0, comparison.travelled(arrival) - 0.5],
-            Self::Sides | Self::SidesInTime => vec![0.5 * arrival.sides[comparison.axis()]],
+            // Half of what is lost is missing on either side.
+            Self::Sides | Self::SidesInTime => vec![-0.5 * arrival.sides[comparison.axis()]],
         }
     }
 

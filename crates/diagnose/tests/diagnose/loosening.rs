@@ -23,8 +23,14 @@ impl Drive {
     }
 }
 
+/// On average, and from the start to the end.
+struct Lost {
+    mean_um: f64,
+    change_um: f64,
+}
+
 /// A line of so many cycles, with a clock or in the order of measuring, and what was lost on average.
-fn measured(seed: u64, cycles: u32, timed: bool) -> (Diagnosis, f64) {
+fn measured(seed: u64, cycles: u32, timed: bool) -> (Diagnosis, Lost) {
     let mut generator = generator(seed, 77);
     let drive = Drive {
         first_um: generator.random_range(2.0..7.0),
@@ -43,7 +49,11 @@ fn measured(seed: u64, cycles: u32, timed: bool) -> (Diagnosis, f64) {
     let curve = curve_um(&mut generator);
     let values = values_um(&places, &curve, &behind, SIGMA_UM, &mut generator);
     let mean_um = places.iter().map(lost_um).sum::<f64>() / places.len() as f64;
-    (found(table(&places, &values, timed)), mean_um)
+    let lost = Lost {
+        mean_um,
+        change_um: drive.change_um,
+    };
+    (found(table(&places, &values, timed)), lost)
 }
 
 /// Whether it is said that lost motion changes with time.
@@ -53,14 +63,25 @@ fn is_told(found: &Diagnosis) -> bool {
     all.any(|own| is_it(&own.whose) || own.rivals.iter().any(is_it))
 }
 
-/// In how many of some tables it is told, and the mean is inside three standard uncertainties; another cause than lost motion has
-/// no name.
-fn study(seeds: std::ops::Range<u64>) -> [usize; 3] {
-    let (mut told, mut inside, mut all) = (0, 0, 0);
+/// Whether its course rises.
+fn rises(found: &Diagnosis) -> Option<bool> {
+    let mut all = found.disturbances.iter();
+    let own = all.find(|own| own.whose.varies_with == ["time", "direction"])?;
+    let (first, last) = (own.curve.first()?, own.curve.last()?);
+    Some(last.value_um[0] > first.value_um[0])
+}
+
+/// A mean above this has its name, µm: ten standard uncertainties or more.
+const PLAIN_UM: f64 = 2.0;
+
+/// In how many of how many tables it is told, and in how many of those with a mean to be named this has its name, inside three standard
+/// uncertainties. The course rises where more and more is lost, and no other cause than lost motion has a name.
+fn study(seeds: std::ops::Range<u64>) -> [usize; 4] {
+    let (mut told, mut named, mut plain, mut all) = (0, 0, 0, 0);
     for seed in seeds {
         for cycles in [5, 8] {
             for timed in [false, true] {
-                let (found, mean_um) = measured(seed, cycles, timed);
+                let (found, Lost { mean_um, change_um }) = measured(seed, cycles, timed);
                 let line = format!("seed {seed}, {cycles}, {timed}: {}", summary(&found));
                 let is_lost = |id: &str| id.contains("backlash");
                 // With rivals it says that it may be something else.
@@ -70,34 +91,40 @@ fn study(seeds: std::ops::Range<u64>) -> [usize; 3] {
                 assert!(wrong.is_empty(), "{line}");
                 all += 1;
                 told += usize::from(is_told(&found));
-                // Without a name it is in the course of what wanders.
                 let mut own = found.causes.iter();
                 let own = own.find(|cause| is_lost(cause.effect.effect.id));
                 let own = own.map(|cause| &cause.parameters[0]);
-                let is_in = own.is_none_or(|b| (b.value - mean_um).abs() < 3.0 * b.u);
-                inside += usize::from(is_in);
-                if !is_told(&found) || !is_in {
+                let is_in = own.map(|b| (b.value - mean_um).abs() < 3.0 * b.u);
+                let is_plain = mean_um.abs() > PLAIN_UM;
+                plain += usize::from(is_plain);
+                named += usize::from(is_plain && is_in == Some(true));
+                assert!(
+                    rises(&found).is_none_or(|up| up == (change_um > 0.0)),
+                    "{line}"
+                );
+                if !is_told(&found) || is_in == Some(false) || is_plain && is_in.is_none() {
                     report(&format!("{line}; {mean_um:.2}"));
                 }
             }
         }
     }
-    report(&format!("{told} of {all} told, {inside} inside"));
-    [told, inside, all]
+    report(&format!(
+        "{told} of {all} told, {named} of {plain} plain means named and inside"
+    ));
+    [told, all, named, plain]
 }
 
 /// Of eight tables all are told (in the study 236 of 240 were).
 #[test]
 fn lost_motion_that_changes_with_time_is_told() {
-    assert_eq!(study(0..2), [8, 8, 8]);
+    let [told, all, named, plain] = study(0..2);
+    assert_eq!((told, named), (all, plain));
+    assert!(plain >= 4, "{plain}");
 }
 
 #[test]
 #[ignore = "study: 240 diagnoses"]
 fn lost_motion_that_changes_with_time_is_told_in_nineteen_of_twenty() {
-    let [told, inside, all] = study(100..160);
-    assert!(
-        20 * told >= 19 * all && 20 * inside >= 19 * all,
-        "{told}, {inside} of {all}"
-    );
+    let [told, all, named, plain] = study(100..160);
+    assert!(20 * told >= 19 * all && 20 * named >= 19 * plain);
 }
