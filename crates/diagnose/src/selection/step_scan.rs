@@ -275,8 +275,8 @@ impl Scan for StepScan {
         let n = self.parameters;
         let rows = self.by_rows[&0].len() / n.max(1);
         let mut columns = vec![vec![0.0; rows]; n];
-        let after = self.instants.iter().filter(|i| i.tried.shape >= shape);
-        let Some(instant) = after.last() else {
+        let mut instants = self.instants.iter().rev();
+        let Some(instant) = instants.find(|i| i.tried.shape >= shape) else {
             return columns;
         };
         let mut take = |rows: Range<usize>, cut: usize| {
