@@ -11,5 +11,6 @@ mod dense_outcomes;
 mod nist_strd;
 mod nist_strd_linear;
 mod scattered_starts;
+mod shortened_steps;
 mod strd_file;
 mod strd_models;
