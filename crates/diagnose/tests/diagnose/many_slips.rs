@@ -48,9 +48,9 @@ fn is_doubted(found: &Diagnosis) -> bool {
 #[test]
 fn one_slip_in_twelve_is_left_out_if_each_stands_alone() {
     let mut alarms = 0;
-    for seed in 0..20 {
-        let mut random = generator(seed, 51);
-        let rows = apart(&mut random, 4 + (seed as usize) % 5);
+    for seed in 0..20_u32 {
+        let mut random = generator(seed.into(), 51);
+        let rows = apart(&mut random, 4 + seed as usize % 5);
         let off: Vec<(usize, f64)> = rows
             .iter()
             .map(|row| (*row, if random.random() { 60.0 } else { -60.0 }))
