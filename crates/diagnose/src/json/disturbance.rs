@@ -35,6 +35,7 @@ struct CorrelationLengthFile {
 
 #[derive(Serialize, JsonSchema)]
 pub(super) struct CurvePointFile {
+    #[schemars(length(min = 1, max = 2))]
     at: Vec<f64>,
     value_um: Vec<f64>,
     u_um: Vec<f64>,
