@@ -42,7 +42,7 @@ pub(crate) fn run(args: &PredictArgs) -> anyhow::Result<Exit> {
         "version": 1,
         "machine": machine.name,
         "campaign": machine.campaign,
-        "effects_taken_out": machine.effects_taken_out,
+        "effects_taken_out": machine.names_taken_out(),
         "dof": machine.dof.is_finite().then_some(machine.dof),
         "columns": columns,
         "rows": rows,
@@ -54,7 +54,7 @@ pub(crate) fn run(args: &PredictArgs) -> anyhow::Result<Exit> {
 
 /// Which machine and calibration it is, and what is not in it.
 pub(crate) fn source(machine: &CalibratedMachine) -> Vec<String> {
-    let effects = match machine.effects_taken_out.as_slice() {
+    let effects = match machine.names_taken_out().as_slice() {
         [] => "nothing taken out".to_owned(),
         effects => {
             let names = effects.iter().map(|effect| effect.replace('_', " "));

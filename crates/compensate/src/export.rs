@@ -321,7 +321,7 @@ impl Request<'_> {
 
     /// Where it comes from and for which lines it is right.
     fn origin(&self) -> String {
-        let effects = match self.machine.effects_taken_out.as_slice() {
+        let effects = match self.machine.names_taken_out().as_slice() {
             [] => String::new(),
             effects => format!(", without {}", effects.join(", ")),
         };

@@ -59,12 +59,7 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
         with_points(&mut diagnosis, campaign, points, settings)?;
     }
     let calibration = diagnosis.calibration.as_ref();
-    let mut predicts = calibration.map(Calibration::calibrated_machine);
-    let of_runs = diagnosis.causes.iter().filter(|cause| is_whole(cause));
-    let taken_out = of_runs.map(|cause| cause.effect.effect.id.to_owned());
-    if let Some(machine) = &mut predicts {
-        machine.effects_taken_out.extend(taken_out);
-    }
+    let predicts = calibration.map(Calibration::calibrated_machine);
     with_verification(&mut diagnosis, campaign, predicts.as_ref(), settings);
     let curves = diagnosis.calibration.as_ref();
     if let Some(calibration) = curves.filter(|_| settings.explain_curves) {
@@ -292,18 +287,23 @@ fn is_not_identifiable(error: &Error) -> bool {
     )
 }
 
-/// The calibration of the campaign without the causes, and what they change.
+/// The calibration of the campaign without the causes, which it lists, and what they change.
 fn with_better(
     diagnosis: &mut Diagnosis,
     corrected: &Campaign,
     causes: &mut [Cause],
     settings: &Settings,
 ) -> Result<(), Error> {
-    let (better, _) = calibrated(corrected, settings, &mut diagnosis.notices)?;
+    let (mut better, _) = calibrated(corrected, settings, &mut diagnosis.notices)?;
     for cause in causes {
         if let Some(calibration) = &diagnosis.calibration {
             cause.changes = changes(calibration, &better);
         }
+        let taken_out = cause.effect.to_given(&diagnosis.scene);
+        better.effects.push(taken_out);
+    }
+    if let Some(calibration) = diagnosis.calibration.take() {
+        better.effects.extend(calibration.effects);
     }
     diagnosis.calibration = Some(better);
     Ok(())

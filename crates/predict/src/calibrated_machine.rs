@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::{
     GeometricErrors, LocationComponent, LocationError, Machine, MotionError,
 };
@@ -21,11 +22,11 @@ pub struct CalibratedMachine {
     pub name: String,
     /// Name of the campaign in which it was measured.
     pub campaign: String,
-    /// Names of effects that were taken out of the lengths first.
-    pub effects_taken_out: Vec<String>,
-    /// For each measured axis where the axes of the machine stood meanwhile, mean over its positions, mm or rad (0 for its own):
-    /// what they did to it is in its curves. One that is missing stands for home.
-    pub parked: BTreeMap<usize, Vec<f64>>,
+    /// Effects that were taken out of what was measured first.
+    pub effects_taken_out: Vec<GivenEffect>,
+    /// For each measured axis where the axes of the machine stood meanwhile, mm or rad (0 for its own), none for those that stood at
+    /// several places: what they did to it is in its curves. A measured axis that is missing here stands for home.
+    pub parked: BTreeMap<usize, Vec<Option<f64>>>,
     /// Whether it is known how well the errors are known: a calibration that another system made may not say. Without it every
     /// standard uncertainty and covariance is NaN.
     pub has_uncertainties: bool,
@@ -85,6 +86,12 @@ impl CalibratedMachine {
             machine,
             factors,
         }
+    }
+
+    /// Names of the effects that were taken out.
+    pub fn names_taken_out(&self) -> Vec<&str> {
+        let effects = self.effects_taken_out.iter();
+        effects.map(|effect| effect.effect.as_str()).collect()
     }
 }
 

@@ -51,7 +51,7 @@ mod volume;
 
 pub use approach::Approach;
 pub use calibrated_machine::{CalibratedMachine, MeasuredAxis};
-pub use compare::{Difference, OtherReferencePoint};
+pub use compare::{Difference, OtherReferencePoint, stands_alike};
 pub use coverage_factor::coverage_factor;
 pub use factored_covariance::FactoredCovariance;
 pub use files::predicted_csv::{ERROR_COLUMNS, to_csv};

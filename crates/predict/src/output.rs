@@ -151,15 +151,19 @@ impl Unit {
     }
 }
 
-/// Where the axes of a machine stand that are not at home (mm or rad), by name, as files have it; `None` if none is.
-pub fn positions_in_file(machine: &Machine, positions: &[f64]) -> Option<BTreeMap<String, f64>> {
+/// Where the axes of a machine stand that are not at home (mm or rad; none at several places), by name, as files have it; `None` if
+/// all are at home.
+pub fn positions_in_file(
+    machine: &Machine,
+    positions: &[Option<f64>],
+) -> Option<BTreeMap<String, Option<f64>>> {
     let all = machine.axes().iter().zip(positions);
-    let away = all.filter(|(_, position)| position.abs() > 0.0);
-    let in_file = away.map(|(axis, &position)| {
-        let position = round(position_in_file(axis.kind(), position), 6);
-        (axis.name().to_owned(), position)
+    let away = all.filter(|(_, position)| **position != Some(0.0));
+    let in_file = away.map(|(axis, position)| {
+        let in_file = |position| round(position_in_file(axis.kind(), position), 6);
+        (axis.name().to_owned(), position.map(in_file))
     });
-    let away: BTreeMap<String, f64> = in_file.collect();
+    let away: BTreeMap<String, Option<f64>> = in_file.collect();
     (!away.is_empty()).then_some(away)
 }
 

@@ -98,6 +98,9 @@ fn count(corner_um: f64, seeds: std::ops::Range<u64>) -> Count {
         // Without the coupling the runs agree.
         let calibration = diagnosis.calibration.as_ref().unwrap();
         count.agree += usize::from(calibration.axis("Y").unwrap().runs.is_none());
+        // It says itself what is not in it.
+        let taken_out = cause.effect.to_given(&diagnosis.scene);
+        assert!(calibration.effects.contains(&taken_out));
         // A weak one may show more in another component.
         let is_weak = corner_um < 12.0;
         assert!(is_weak || shows_its_effect(cause), "{:?}", cause.fitted);

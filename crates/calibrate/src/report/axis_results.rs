@@ -3,6 +3,7 @@
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::GeometricErrors;
 use trueaxis_poses::{MeasuredPoses, SideDifference, Station};
+use trueaxis_predict::stands_alike;
 
 use crate::propagate::dependence::Dependence;
 use crate::propagate::propagation::{Propagation, Uncertainty, place_of};
@@ -86,19 +87,19 @@ fn axis_result(
             budget,
         }
     });
-    let mut parked = vec![0.0; context.machine.axes().len()];
-    for record in &own.records {
-        let share = record.weight / own.nodes.len() as f64;
-        let at = parked.iter_mut().zip(&own.runs[record.run].positions);
-        at.for_each(|(mean, position)| *mean += share * position);
-    }
-    parked[own.axis] = 0.0;
+    let others = context.machine.axes().iter().enumerate();
+    let parked = others.map(|(other, geometry)| {
+        let mut stood = own.runs.iter().map(|run| run.positions[other]);
+        let first = stood.next().filter(|_| other != own.axis).unwrap_or(0.0);
+        let is_same = |q| other == own.axis || stands_alike(geometry.kind(), first, q);
+        stood.all(is_same).then_some(first)
+    });
     let poses: Vec<usize> = own.records.iter().map(|record| record.pose).collect();
     AxisResult {
         name: axis.name().to_owned(),
         axis: own.axis,
         kind: axis.kind(),
-        parked,
+        parked: parked.collect(),
         reference_point_mm: axis.reference_mm(),
         nodes: nodes.collect(),
         location: values.location,

@@ -13,8 +13,7 @@ impl Calibration {
         let mut machine = CalibratedMachine::new(self.with_reference_points(), axes, factors);
         machine.name.clone_from(&self.machine_spec.name);
         machine.campaign.clone_from(&self.campaign);
-        let effects = self.effects.iter().map(|effect| effect.effect.clone());
-        machine.effects_taken_out = effects.collect();
+        machine.effects_taken_out.clone_from(&self.effects);
         let parked = |axis: &AxisResult| (axis.axis, axis.parked.clone());
         machine.parked = self.axes.iter().map(parked).collect();
         let dof = self.results().into_iter().map(|result| result.dof);

@@ -131,8 +131,8 @@ pub struct AxisResult {
     pub kind: AxisKind,
     /// Reference point of δ at home, mm.
     pub reference_point_mm: Point3<f64>,
-    /// Where each axis of the machine stood meanwhile, mean over the positions, mm or rad; 0 for this one.
-    pub parked: Vec<f64>,
+    /// Where each axis of the machine stood meanwhile, mm or rad; 0 for this one, none for one that stood at several places.
+    pub parked: Vec<Option<f64>>,
     /// Component errors at each position.
     pub nodes: Vec<NodeResult>,
     /// Location errors as a whole, for prediction.

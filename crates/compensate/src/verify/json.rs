@@ -30,7 +30,7 @@ pub fn verification_json(
         "machine": machine.name,
         "calibration": machine.campaign,
         "campaign": campaign,
-        "effects_taken_out": machine.effects_taken_out,
+        "effects_taken_out": machine.names_taken_out(),
         "compensated": is_compensated,
         "expected_above_one": EXPECTED_ABOVE_ONE,
         "verification": verified.iter().map(|v| entry(nominal, v)).collect::<Value>(),

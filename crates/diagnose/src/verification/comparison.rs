@@ -4,18 +4,17 @@
 use std::collections::BTreeMap;
 
 use trueaxis_campaign::{Direction, Verification, VerificationKind};
-use trueaxis_effects::{Circumstances, Effect, Shape, Subject};
+use trueaxis_effects::{Circumstances, Effect, GivenEffect, Shape, Subject};
 use trueaxis_kinematics::{Ideal, MICROMETRE, Machine};
 use trueaxis_leastsquares::half_waves;
-use trueaxis_predict::{CalibratedMachine, MeasuredPoint, carrier, predicted_reading_um};
+use trueaxis_predict::{
+    CalibratedMachine, MeasuredPoint, carrier, predicted_reading_um, stands_alike,
+};
 
 use crate::verification::arrivals::{Arrival, are_timed, arrivals, is_same};
 
 /// The effect of one axis on another.
 pub(crate) const COUPLING: &str = "cross_coupling";
-
-/// An axis that is this close to where it stood stands there, mm.
-const SAME_PLACE: f64 = 1e-3;
 
 /// A unit of a parameter that changes a reading by less changes nothing, µm.
 const ROUNDING_UM: f64 = 1e-9;
@@ -45,9 +44,11 @@ pub(crate) struct Comparison<'a> {
     pub(crate) moving: Vec<usize>,
     /// Axes that stand elsewhere than they did when the measured axis was calibrated.
     pub(crate) parked_elsewhere: Vec<usize>,
-    /// What they did there is in its curves: for each calibrated axis where all axes stood, mm or rad; one that is missing
-    /// was measured with the others at home, or not at all.
+    /// What they did there is in its curves: for each calibrated axis where all axes stood, mm or rad (at home where it is not
+    /// known); one that is missing was measured with the others at home, or not at all.
     calibrated_at: BTreeMap<usize, Vec<f64>>,
+    /// Couplings that were taken out of what was measured, so that no curve has them.
+    taken_out: Vec<GivenEffect>,
 }
 
 impl<'a> Comparison<'a> {
@@ -74,6 +75,8 @@ impl<'a> Comparison<'a> {
         });
         let passes = arrivals.chunk_by(Arrival::is_of_pass).enumerate();
         let passes = passes.flat_map(|(number, pass)| std::iter::repeat_n(number, pass.len()));
+        let taken_out = calibration.map_or(&[][..], |own| &own.effects_taken_out);
+        let taken_out = taken_out.iter().filter(|own| own.effect == COUPLING);
         let mut comparison = Self {
             machine,
             kind,
@@ -85,6 +88,7 @@ impl<'a> Comparison<'a> {
             moving: moving.collect(),
             parked_elsewhere: Vec::new(),
             calibrated_at: calibration.map_or_else(BTreeMap::new, calibrated_at),
+            taken_out: taken_out.cloned().collect(),
             timed: are_timed(&verification.readings),
             arrivals,
         };
@@ -108,12 +112,14 @@ impl<'a> Comparison<'a> {
         }
         let calibrated = self.calibrated_at.get(&axis);
         let is_elsewhere = |other: &usize| {
+            let kind = self.machine.axes()[*other].kind();
+            let is_off = |from: f64| {
+                let mut read = self.arrivals.iter().map(|a| a.positions[*other]);
+                read.all(|q| !stands_alike(kind, q, from))
+            };
             let calibrated = calibrated.map_or(0.0, |positions| positions[*other]);
-            let read = self.arrivals.iter().map(|a| a.positions[*other]);
-            *other != axis
-                && read
-                    .into_iter()
-                    .all(|q| (q - calibrated).abs() > SAME_PLACE)
+            // What was taken out counts from home.
+            *other != axis && (is_off(calibrated) || !self.taken_out.is_empty() && is_off(0.0))
         };
         let others = 0..self.machine.axes().len();
         others.filter(is_elsewhere).collect()
@@ -158,7 +164,7 @@ impl<'a> Comparison<'a> {
                     .along(&point.along)
             };
             let mut all_mm = change_mm(&at);
-            for axis in coupled(effect, subject) {
+            for axis in self.coupled(effect, subject) {
                 let calibrated = self.calibrated_at.get(&axis);
                 let Some(calibrated) = calibrated.filter(|_| at.is_carried_by(axis)) else {
                     continue;
@@ -180,6 +186,26 @@ impl<'a> Comparison<'a> {
             }
         })
         .collect()
+    }
+
+    /// The two axes of a coupling whose curves have it: none of what was taken out.
+    fn coupled(&self, effect: &Effect, subject: &Subject) -> impl Iterator<Item = usize> + use<> {
+        let is_coupling = effect.id == COUPLING;
+        let is_in_curves =
+            is_coupling && !self.taken_out.iter().any(|own| self.is_of(own, subject));
+        let axes = [subject.axis, subject.other_axis];
+        axes.into_iter().flatten().filter(move |_| is_in_curves)
+    }
+
+    /// Whether a coupling with names is that of a subject.
+    fn is_of(&self, given: &GivenEffect, subject: &Subject) -> bool {
+        let name = |axis: Option<usize>| axis.map(|axis| self.machine.axes()[axis].name());
+        let component = subject.component.zip(name(subject.axis));
+        let component = component.map(|(component, axis)| component.name(axis));
+        let own = &given.subject;
+        own.axis.as_deref() == name(subject.axis)
+            && own.other_axis.as_deref() == name(subject.other_axis)
+            && own.component == component
     }
 
     /// The axis of a line; none of a ball bar.
@@ -227,20 +253,13 @@ impl<'a> Comparison<'a> {
     }
 }
 
-/// Where axes stood while each one was calibrated; at home if couplings were taken out of what was measured.
+/// Where axes stood while each one was calibrated; at home where they stood at several places.
 fn calibrated_at(calibration: &CalibratedMachine) -> BTreeMap<usize, Vec<f64>> {
-    let taken_out = &calibration.effects_taken_out;
-    match taken_out.iter().any(|effect| effect == COUPLING) {
-        true => BTreeMap::new(),
-        false => calibration.parked.clone(),
-    }
-}
-
-/// The two axes of a coupling.
-fn coupled(effect: &Effect, subject: &Subject) -> impl Iterator<Item = usize> {
-    let axes = [subject.axis, subject.other_axis];
-    let is_coupling = effect.id == COUPLING;
-    axes.into_iter().flatten().filter(move |_| is_coupling)
+    let all = calibration.parked.iter().map(|(&axis, parked)| {
+        let positions = parked.iter().map(|position| position.unwrap_or(0.0));
+        (axis, positions.collect())
+    });
+    all.collect()
 }
 
 /// The side that the measured axis of a line came from.

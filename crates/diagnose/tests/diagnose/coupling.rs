@@ -12,6 +12,7 @@ use trueaxis_campaign::{
     VerificationKind, VerificationReading,
 };
 use trueaxis_diagnose::{Diagnosis, Rival, Settings, Verdict, diagnose_against};
+use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_predict::CalibratedMachine;
 
@@ -176,6 +177,30 @@ fn lines_show_a_coupling_from_where_the_axis_was_calibrated() {
         names.contains(&"cross_coupling") && names.contains(&"scale_error"),
         "{names:?}"
     );
+}
+
+/// A coupling of X and Z that was taken out of what was measured says nothing of that of X and Y, which is in the curves of both from
+/// where they were calibrated; if it is the one that was taken out, it counts from home, where it is not seen at Y 0.
+#[test]
+fn a_coupling_that_was_taken_out_counts_from_home_and_no_other_does() {
+    let mut random = generator(3, 63);
+    let mut calibration = calibrated(&mut random);
+    let taken_out = |other: &str| {
+        let subject = serde_json::json!({ "axis": "X", "other_axis": other });
+        let effect =
+            serde_json::json!({ "effect": "cross_coupling", "subject": subject, "parameters": [] });
+        vec![serde_json::from_value::<GivenEffect>(effect).unwrap()]
+    };
+    let home = vec![line(0.0, &mut random)];
+    let is_seen = |calibration: &CalibratedMachine| {
+        let diagnosis = diagnosed(calibration, home.clone());
+        alike(&diagnosis).contains(&"cross_coupling")
+    };
+    assert!(is_seen(&calibration));
+    calibration.effects_taken_out = taken_out("Z");
+    assert!(is_seen(&calibration));
+    calibration.effects_taken_out = taken_out("Y");
+    assert!(!is_seen(&calibration));
 }
 
 /// What explains the first cause as well, with it.

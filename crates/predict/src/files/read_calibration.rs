@@ -8,6 +8,7 @@ use std::path::Path;
 use nalgebra::{Point3, Vector6};
 use serde::Deserialize;
 use trueaxis_campaign::{Direction, MachineSpec};
+use trueaxis_effects::GivenEffect;
 use trueaxis_files::{DocumentError, DocumentProblem, Format, field_line};
 use trueaxis_kinematics::{AxisKind, Component, LocationError, Machine, MotionError};
 
@@ -26,12 +27,7 @@ struct Document {
     axes: Vec<AxisEntry>,
     location_errors: BTreeMap<String, LocationEntry>,
     #[serde(default)]
-    effects_taken_out: Vec<EffectEntry>,
-}
-
-#[derive(Deserialize)]
-struct EffectEntry {
-    effect: String,
+    effects_taken_out: Vec<GivenEffect>,
 }
 
 #[derive(Deserialize)]
@@ -42,7 +38,7 @@ struct AxisEntry {
     direction: Option<Vec<i8>>,
     reference_point_mm: [f64; 3],
     #[serde(default)]
-    parked: BTreeMap<String, f64>,
+    parked: BTreeMap<String, Option<f64>>,
     components: BTreeMap<String, CurveEntry>,
 }
 
@@ -110,11 +106,10 @@ impl CalibratedMachine {
             true => read.factors_beside(path, document.stations.len())?,
             false => FactoredCovariance::zero(read.nodes_of_all(), read.results.len()),
         };
-        let effects = document.effects_taken_out.into_iter();
         Ok(Self {
             name: document.machine.name,
             campaign: document.campaign,
-            effects_taken_out: effects.map(|entry| entry.effect).collect(),
+            effects_taken_out: document.effects_taken_out,
             parked: read.parked,
             has_uncertainties,
             dof: read.dof,
@@ -131,7 +126,7 @@ struct Measured {
     /// Name, unit and stated standard uncertainty (in that unit) of each result; zero where none has one.
     results: Vec<(String, Unit, f64)>,
     /// For each of these axes where the others stood, mm or rad.
-    parked: BTreeMap<usize, Vec<f64>>,
+    parked: BTreeMap<usize, Vec<Option<f64>>>,
     has_uncertainties: bool,
     dof: f64,
 }
@@ -153,10 +148,11 @@ impl Measured {
         for (i, entry) in document.axes.iter().enumerate() {
             let field = format!("axes[{i}]");
             let index = index_of(format!("{field}.name"), &entry.name)?;
-            let mut parked = vec![0.0; names.len()];
+            let mut parked = vec![Some(0.0); names.len()];
             for (name, &position) in &entry.parked {
                 let other = index_of(format!("{field}.parked"), name)?;
-                parked[other] = machine.axes()[other].kind().position_from_file(position);
+                let kind = machine.axes()[other].kind();
+                parked[other] = position.map(|position| kind.position_from_file(position));
             }
             measured.parked.insert(index, parked);
             let reference_mm = Point3::from(entry.reference_point_mm);

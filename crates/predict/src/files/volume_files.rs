@@ -78,7 +78,7 @@ impl Volume {
             "version": 1,
             "machine": machine.name,
             "campaign": machine.campaign,
-            "effects_taken_out": machine.effects_taken_out,
+            "effects_taken_out": machine.names_taken_out(),
             "not_measured": machine.unmeasured(),
             "tool_home_mm": point,
             "grid": grid.collect::<Value>(),
