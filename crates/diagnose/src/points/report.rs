@@ -111,30 +111,31 @@ impl<'a> Screened<'a> {
         }
     }
 
-    /// Beside causes as they are, or with their instants on the other side of one of the points that are left out: an instant that was
+    /// Beside causes as they are, or with an instant on the other side of a point that is left out next to it: an instant that was
     /// found without that point is uncertain just there.
     fn beside_any(
         campaign: &'a Campaign,
         points: &Points,
         scene: &'a Scene,
-        causes: Vec<Suspect>,
+        mut causes: Vec<Suspect>,
     ) -> Self {
         let mut best = Self::beside(campaign, points, scene, &causes);
-        let times_s = best.gross.iter().map(|g| points.readings[g.number].time_s);
-        for time_s in times_s.collect::<Vec<f64>>() {
-            let mut moved = causes.clone();
-            for own in &mut moved {
-                if own.hypothesis.effect.shape == Shape::Instant {
-                    // At its very time a point is before it.
-                    own.shape = match own.shape < time_s {
-                        true => time_s,
-                        false => time_s.next_down(),
-                    };
+        if best.gross.is_empty() {
+            return best;
+        }
+        let all = Base::new(campaign, scene, points, &[]);
+        for number in best.numbers() {
+            for k in 0..causes.len() {
+                let left_out = best.numbers();
+                let Some(shape) = beyond(&all, &causes[k], number, &left_out) else {
+                    continue;
+                };
+                let mut moved = causes.clone();
+                moved[k].shape = shape;
+                let other = Self::beside(campaign, points, scene, &moved);
+                if !other.are_many && other.gross.len() < best.gross.len() {
+                    (best, causes) = (other, moved);
                 }
-            }
-            let other = Self::beside(campaign, points, scene, &moved);
-            if !other.are_many && other.gross.len() < best.gross.len() {
-                best = other;
             }
         }
         best
@@ -143,6 +144,36 @@ impl<'a> Screened<'a> {
     fn numbers(&self) -> Vec<usize> {
         self.gross.iter().map(|g| g.number).collect()
     }
+}
+
+/// The instant of a cause on the other side of a point that is left out, s, if of the points that show the effect none that is kept is
+/// between the two.
+fn beyond(all: &Base<'_>, cause: &Suspect, number: usize, left_out: &[usize]) -> Option<f64> {
+    let from_the_beginning = [ResolvedEffect {
+        shape: f64::NEG_INFINITY,
+        ..cause.resolved()
+    }];
+    let shows = |i: usize| all.effect_mm(i, &from_the_beginning) != Vector3::zeros();
+    let readings = &all.readings.all;
+    let own = readings.iter().position(|r| r.number == number)?;
+    let is_instant = cause.hypothesis.effect.shape == Shape::Instant;
+    if !is_instant || !left_out.contains(&number) || !shows(own) {
+        return None;
+    }
+    let (time_s, instant_s) = (readings[own].time_s, cause.shape);
+    let is_between = |s: f64| match instant_s < time_s {
+        true => instant_s < s && s < time_s,
+        false => time_s < s && s <= instant_s,
+    };
+    let mut kept = readings.iter().enumerate();
+    let is_parted =
+        kept.any(|(i, r)| is_between(r.time_s) && !left_out.contains(&r.number) && shows(i));
+    // At its very time a point is before it.
+    let beyond_s = match instant_s < time_s {
+        true => time_s,
+        false => time_s.next_down(),
+    };
+    (!is_parted).then_some(beyond_s)
 }
 
 fn not_judged(base: &Base<'_>, freedom: f64) -> Said {

@@ -40,23 +40,39 @@ pub(crate) struct VisitTimes {
 impl VisitTimes {
     pub(crate) fn new(rows: Range<usize>, times_s: impl Iterator<Item = f64>) -> Self {
         let times_s: Vec<f64> = times_s.collect();
-        let all = || times_s.iter().copied();
-        let span_s = [
-            all().fold(f64::INFINITY, f64::min),
-            all().fold(f64::NEG_INFINITY, f64::max),
-        ];
         Self {
             rows,
+            span_s: span_s(&times_s),
             times_s,
-            span_s,
         }
     }
 
-    /// Numbers of rows between whose times and those of the rest there is an instant.
+    /// Numbers of first rows that are all before the rest, whatever the order among them.
     fn cuts(&self) -> impl Iterator<Item = usize> + '_ {
-        let pairs = self.times_s.windows(2).enumerate();
-        pairs.filter_map(|(i, pair)| (pair[0] < pair[1]).then_some(i + 1))
+        let first_of_rest = self.times_s.iter().rev();
+        let first_of_rest = first_of_rest.scan(f64::INFINITY, |first, time| {
+            *first = first.min(*time);
+            Some(*first)
+        });
+        let mut first_of_rest: Vec<f64> = first_of_rest.collect();
+        first_of_rest.reverse();
+        let last_before = self.times_s.iter().scan(f64::NEG_INFINITY, |last, time| {
+            *last = last.max(*time);
+            Some(*last)
+        });
+        let pairs = last_before.zip(first_of_rest.into_iter().skip(1));
+        let parted = pairs.enumerate().filter(|(_, (last, first))| last < first);
+        parted.map(|(i, _)| i + 1)
     }
+}
+
+/// First and last of some times.
+fn span_s(times_s: &[f64]) -> [f64; 2] {
+    let all = || times_s.iter().copied();
+    [
+        all().fold(f64::INFINITY, f64::min),
+        all().fold(f64::NEG_INFINITY, f64::max),
+    ]
 }
 
 /// Whitened columns from the beginning of time on, of those rows only that are after something.
@@ -210,8 +226,8 @@ impl<'a> Concerned<'a> {
                 None => of_visit(start).iter().any(|&x| x != 0.0),
             };
             if is_shown {
-                let last = next.map_or(visit.times_s.len(), |next| *next) - 1;
-                shown.push((start, [visit.times_s[start], visit.times_s[last]]));
+                let end = next.map_or(visit.times_s.len(), |next| *next);
+                shown.push((start, span_s(&visit.times_s[start..end])));
             }
         }
         let span_s = [shown.first()?.1[0], shown.last()?.1[1]];
@@ -374,5 +390,23 @@ impl Sums {
         }
         let before: Vec<f64> = (0..n).map(|i| self.squares[i * n + i]).collect();
         Gram::new(&gram, &before)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::VisitTimes;
+
+    /// A visit whose readings are not in the order of their times is parted only where all first rows are before all others.
+    #[test]
+    fn an_instant_parts_rows_by_their_times() {
+        let cuts = |times_s: &[f64]| -> Vec<usize> {
+            let visit = VisitTimes::new(0..times_s.len(), times_s.iter().copied());
+            visit.cuts().collect()
+        };
+        assert_eq!(cuts(&[1.0, 2.0, 3.0]), [1, 2]);
+        assert_eq!(cuts(&[1.0, 1.0, 3.0]), [2]);
+        assert_eq!(cuts(&[2.0, 1.0, 5.0, 4.0, 6.0]), [2, 4]);
+        assert!(cuts(&[3.0, 1.0, 2.0]).is_empty());
     }
 }
