@@ -3,49 +3,30 @@
 use std::f64::consts::TAU;
 
 use rand::RngExt;
-use trueaxis_campaign::{Direction, Verification, VerificationKind, VerificationReading};
+use trueaxis_campaign::Verification;
 use trueaxis_diagnose::{Cause, Diagnosis};
 
-use crate::iso_run::TARGET_MM;
+use crate::iso_run::table_of_stops;
 use crate::machines::normal;
 use crate::{found, generator};
 
 const SIGMA_UM: f64 = 0.3;
 
-/// Passes there and back over so many positions 1 mm apart: a wave of 2 µm on a curve that bends by 8 µm.
-fn line(positions: u32, passes: u32, period_mm: f64, seed: u64) -> Verification {
+/// One pass over so many positions 1 mm apart: a wave of 2 µm on a curve that bends by 8 µm.
+fn line(positions: usize, period_mm: f64, seed: u64) -> Verification {
     let mut random = generator(seed, 61);
     let phase: f64 = random.random_range(0.0..TAU);
-    let mut readings = Vec::new();
-    for pass in 0..passes {
-        for k in 0..positions {
-            let k = if pass % 2 == 0 { k } else { positions - 1 - k };
-            let x = f64::from(k);
-            let bend = 8.0 * (2.0 * x / f64::from(positions)).sin();
-            let wave = 2.0 * (TAU * x / period_mm + phase).sin();
-            readings.push(VerificationReading {
-                time_s: None,
-                cycle: 1 + pass / 2,
-                direction: match pass % 2 {
-                    0 => Direction::Forward,
-                    _ => Direction::Backward,
-                },
-                positions: vec![x, 0.0, 0.0],
-                value_um: bend + wave + SIGMA_UM * normal(&mut random),
-                line: readings.len() + 2,
-            });
-        }
+    let mut table = table_of_stops(1, positions, |_, _, stop| {
+        let x = stop as f64;
+        let bend = 8.0 * (2.0 * x / positions as f64).sin();
+        let wave = 2.0 * (TAU * x / period_mm + phase).sin();
+        bend + wave + SIGMA_UM * normal(&mut random)
+    });
+    table.readings.truncate(positions);
+    for reading in &mut table.readings {
+        reading.positions[0] /= 50.0;
     }
-    Verification {
-        name: "X".into(),
-        kind: VerificationKind::Positioning {
-            axis: 0,
-            target_mm: TARGET_MM.into(),
-        },
-        u_um: None,
-        u_ppm: None,
-        readings,
-    }
+    table
 }
 
 fn waves(found: &Diagnosis) -> Vec<&Cause> {
@@ -76,7 +57,7 @@ fn assert_is(found: &Diagnosis, period_mm: f64) {
 /// Every seventh of 400 positions shows a wave of 12.0 mm as one of 16.8 mm.
 #[test]
 fn a_short_wave_among_400_positions_keeps_its_period() {
-    let found = found(line(400, 1, 12.0, 0));
+    let found = found(line(400, 12.0, 0));
     assert_is(&found, 12.0);
     let is_of_left_out = |notice: &String| notice.contains("positions one in");
     assert!(
@@ -91,7 +72,7 @@ fn a_short_wave_among_400_positions_keeps_its_period() {
 #[test]
 fn where_positions_are_left_out_they_tell_which_wave_it_is() {
     for (seed, period_mm) in [2.7, 5.4 / 0.7].into_iter().enumerate() {
-        let found = found(line(500, 1, period_mm, seed as u64));
+        let found = found(line(500, period_mm, seed as u64));
         assert_is(&found, period_mm);
         let is_said = |notice: &String| notice.contains("of its 500 positions one in 2");
         assert!(found.notices.iter().any(is_said), "{:?}", found.notices);
