@@ -111,9 +111,17 @@ impl<'s> Stack<'s> {
                 candidates.position(|c| is_of_all(c) && c.hypothesis.is(hypothesis))
             })
             .collect();
-        let own = self.all.iter().zip(&members);
-        let own = own.filter_map(|(s, number)| Some(&s.plain.listed.candidates[(*number)?]));
-        let largest = own.max_by_key(|candidate| candidate.shapes.len());
+        let own = members.iter().enumerate().filter_map(|(series, number)| {
+            let candidate = &self.all[series].plain.listed.candidates[(*number)?];
+            Some((self.rows(series).start, candidate))
+        });
+        let rows_of_size = own.clone().flat_map(|(first, candidate)| {
+            let rows = candidate.rows_of_size.iter();
+            rows.map(move |row| first + row)
+        });
+        let rows_of_size: Vec<usize> = rows_of_size.collect();
+        let largest = own.map(|(_, candidate)| candidate);
+        let largest = largest.max_by_key(|candidate| candidate.shapes.len());
         let shortest = largest.and_then(|candidate| candidate.finer.as_ref());
         let shortest = shortest.map_or(f64::NEG_INFINITY, |finer| finer.shortest);
         let (shapes, plausible) = largest.map_or_else(Default::default, |candidate| {
@@ -132,7 +140,7 @@ impl<'s> Stack<'s> {
             shapes,
             plausible,
             is_free: false,
-            rows_of_size: Vec::new(),
+            rows_of_size,
             finer: is_continuous(hypothesis.effect.shape).then(|| Finer {
                 columns: Box::new(columns),
                 gaps_s: None,

@@ -7,7 +7,7 @@ use trueaxis_diagnose::{Cause, Diagnosis, Verdict};
 
 use crate::iso_run::table_of_stops;
 use crate::machines::normal;
-use crate::{found, generator};
+use crate::{found, found_in, generator};
 
 const STOPS: usize = 9;
 
@@ -52,6 +52,29 @@ fn sides_in_unlike_units_are_no_lost_motion() {
         );
         assert_ne!(found.verdict, Verdict::Clean, "{seed}");
         assert!(is_said(&found), "{seed}: {:?}", found.notices);
+    }
+}
+
+/// Two lines of which the way back has the wrong sign: judged together they have no lost motion, either, and are not in order.
+#[test]
+fn sides_of_two_lines_with_a_wrong_sign_are_no_lost_motion() {
+    for seed in 0..6 {
+        let mut random = generator(seed, 58);
+        let slope = random.random_range(600.0..900.0);
+        let lines = ["one", "two"].map(|name| Verification {
+            name: name.into(),
+            ..exchanged(&mut random, -1.0, |stop| match seed % 2 {
+                0 => slope * (stop as f64 - 4.0),
+                _ => 3.0 * slope * (0.7 * stop as f64).sin(),
+            })
+        });
+        let found = found_in(lines.to_vec());
+        assert!(
+            !found.causes.iter().any(is_lost_motion),
+            "{seed}: {:?}",
+            found.causes
+        );
+        assert_ne!(found.verdict, Verdict::Clean, "{seed}");
     }
 }
 
