@@ -399,30 +399,55 @@ fn a_drifting_zero_is_no_growth_of_a_short_axis() {
     }
 }
 
+/// Five cycles over 21 stops with noise of 0.5 µm: what is said of what is left, if anything is.
+fn said_of(
+    seed: u64,
+    stream: u64,
+    mut off_um: impl FnMut(&mut ChaCha8Rng, usize, bool, f64) -> f64,
+) -> Option<String> {
+    let stops = 21;
+    let mut random = generator(seed, stream);
+    let table = table_of_stops(5, stops, |row, forward, stop| {
+        let x = stop as f64 / (stops - 1) as f64;
+        let off = off_um(&mut random, row % stops, forward, x);
+        off + 0.5 * normal(&mut random)
+    });
+    found(table).unexplained.map(|left| left.note)
+}
+
+fn is_of_repeats(note: &String) -> bool {
+    note.contains("the repeats scatter by it")
+}
+
 /// Each pass bends by an amount of its own, normal, which no cause does and its offset and slope do not take. The bends of five passes
 /// there and five back differ by chance, so that what varies with the side of approach is significant in some tables, and as large in the
-/// scatter of the repeats: then that is said.
+/// scatter of the repeats: then that is said, of five of these 60, and of three at least.
 #[test]
 fn passes_that_bend_at_random_scatter() {
-    let stops = 21;
-    let mut said = 0;
-    for seed in 0..60 {
-        let mut random = generator(seed, 71);
+    let told = (0..60).filter_map(|seed| {
         let mut bend = 0.0;
-        let table = table_of_stops(5, stops, |row, _, stop| {
-            if row % stops == 0 {
-                bend = 18.0 * normal(&mut random);
+        said_of(seed, 71, |random, in_pass, _, x| {
+            if in_pass == 0 {
+                bend = 18.0 * normal(random);
             }
-            let x = stop as f64 / (stops - 1) as f64 - 0.5;
-            bend * (x * x - 1.0 / 12.0) + 0.5 * normal(&mut random)
+            bend * ((x - 0.5).powi(2) - 1.0 / 12.0)
+        })
+    });
+    let (of_repeats, others): (Vec<String>, Vec<String>) = told.partition(is_of_repeats);
+    assert!(of_repeats.len() >= 3, "{others:?}");
+}
+
+/// Noise alone has no such scatter, nor has a lost motion of more waves than its free form has, which every cycle repeats.
+#[test]
+fn what_repeats_is_no_scatter() {
+    for seed in 0..30 {
+        let note = said_of(seed, 72, |_, _, _, _| 0.0);
+        assert!(!note.iter().any(is_of_repeats), "{seed}: {note:?}");
+        let side = |forward| if forward { -3.0 } else { 3.0 };
+        let note = said_of(seed, 73, |_, _, forward, x| {
+            side(forward) * (24.0 * x).sin()
         });
-        let found = found(table);
-        if let Some(left) = &found.unexplained {
-            let is_scatter = left.is_scatter(&found.levels[0].before);
-            said += usize::from(is_scatter);
-            let is_told = left.note.contains("the repeats scatter by it");
-            assert_eq!(is_told, is_scatter, "{seed}: {left:?}");
-        }
+        let note = note.unwrap_or_else(|| panic!("{seed}"));
+        assert!(!is_of_repeats(&note), "{seed}: {note}");
     }
-    assert!(said > 0);
 }
