@@ -204,16 +204,20 @@ pub struct Unexplained {
     /// What it varies with: `time`, `position`, `station`, `target`, `direction`, `cycle`; `reading` where many readings are off by
     /// themselves.
     pub varies_with: Vec<&'static str>,
+    /// Whether the omnibus tests found it: structure of any kind, not single readings, another curve after a jump or a cause of an
+    /// impossible size.
+    pub is_of_tests: bool,
     /// In words, with a period where there is one.
     pub note: String,
 }
 
 impl Unexplained {
-    /// Whether it is in the scatter between repeats, of a level with this misfit before anything was explained: its share beyond the noise,
-    /// which repeats tell, is far below that of its rms. Single readings that are off are no scatter.
+    /// Whether the repeats scatter by as much, so that the noise they show already contains most of it: its `share`, which counts
+    /// only what exceeds that noise, is then less than a quarter of `(rms_um/before.rms_um)²`. `before` is the misfit of its level before
+    /// anything was explained. Only what the omnibus tests find can be scatter.
     pub fn is_scatter(&self, before: &Misfit) -> bool {
         let of_misfit = (self.rms_um / before.rms_um).powi(2);
-        self.varies_with != ["reading"] && of_misfit > 0.01 && self.share < 0.25 * of_misfit
+        self.is_of_tests && of_misfit > 0.01 && self.share < 0.25 * of_misfit
     }
 }
 

@@ -234,6 +234,7 @@ fn unexplained(
         data: String::new(),
         rms_um: (rms_um.powi(2) - sigma_um.powi(2)).max(0.0).sqrt(),
         share: 0.0,
+        is_of_tests: true,
         varies_with: vec!["run"],
         note,
     }

@@ -99,6 +99,7 @@ pub(crate) fn unexplained(
         data: String::new(),
         rms_um: rms_um * (excess / projection.degrees_of_freedom).sqrt().min(1.0),
         share: 0.0,
+        is_of_tests: true,
         note: format!("varies with {}", varies_with.join(" and ")),
         varies_with,
     }

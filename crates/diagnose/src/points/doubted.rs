@@ -53,6 +53,7 @@ pub(crate) fn doubted(
         data: String::new(),
         rms_um: noise_um * (squares / (3 * all.len()) as f64).sqrt(),
         share: 0.0,
+        is_of_tests: false,
         varies_with: vec!["reading"],
         note: format!(
             "{} of {} points are far off, too many or too close together to leave out: lines {}{more}",

@@ -60,6 +60,7 @@ pub(crate) fn another_curve(
         data: String::new(),
         rms_um: rms_of_readings_um(problem, &explained()),
         share: 0.0,
+        is_of_tests: false,
         varies_with: vec!["time", "position"],
         note: "after the jump the curve along the axis is another one, which no shift of the machine or of the instrument makes: see \
                whether an encoder, its reading head or the optics were exchanged, aligned or set anew meanwhile, and diagnose the readings \

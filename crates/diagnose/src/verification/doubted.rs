@@ -90,6 +90,7 @@ pub(crate) fn doubted(problem: &Problem<'_>, after: &Projection) -> Option<Unexp
         data: String::new(),
         rms_um: (sizes().map(|off| off * off).sum::<f64>() / readings as f64).sqrt(),
         share: 0.0,
+        is_of_tests: false,
         varies_with: vec!["reading"],
         note: format!(
             "{} of {readings} readings are off by {least:.1} to {largest:.1} µm against the others of their position, too many to leave out: \

@@ -162,6 +162,7 @@ fn impossible(problem: &Problem<'_>) -> Option<Unexplained> {
         data: String::new(),
         rms_um: problem.sigma_um * (best.statistic / problem.readings() as f64).sqrt(),
         share: 0.0,
+        is_of_tests: false,
         note: format!(
             "it varies with {} as {} does, but by more than on any machine",
             varies_with.join(" and "),
@@ -243,6 +244,7 @@ fn unexplained(
         data: String::new(),
         rms_um: problem.sigma_um * (excess.max(0.0) / problem.readings() as f64).sqrt(),
         share: 0.0,
+        is_of_tests: true,
         note,
         varies_with,
     })

@@ -45,6 +45,9 @@ fn another_encoder_is_no_shift_alone() {
     let alarms = (0..12).map(|seed| {
         let exchanged = line(seed, true, 0.0);
         assert!(is_said(&exchanged), "{seed}: {:?}", exchanged.unexplained);
+        let left = exchanged.unexplained.as_ref().unwrap();
+        assert!(!left.is_scatter(&exchanged.levels[0].before), "{seed}");
+        assert!(left.note.starts_with("after the jump"), "{}", left.note);
         let shifts = exchanged
             .causes
             .iter()
