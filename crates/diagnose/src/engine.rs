@@ -32,6 +32,7 @@
 //! - [`mod@places`]: where the misfit lives; [`mod@unseen`]: what the data cannot show.
 //! - [`estimated`]: parameters with their uncertainties, shapes included.
 
+mod accidents;
 mod between;
 mod candidate;
 mod competition;
@@ -52,6 +53,7 @@ mod unseen;
 mod wandered;
 pub(crate) mod wandering;
 
+pub(crate) use accidents::{first_lines, most};
 pub(crate) use candidate::{Candidate, Finer};
 pub(crate) use competition::{
     Candidates, Competed, add_rival_disturbances, compete, only_wandering, settled,

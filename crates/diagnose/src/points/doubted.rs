@@ -6,15 +6,13 @@
 use trueaxis_effects::Level;
 
 use crate::Unexplained;
+use crate::engine::{first_lines, most};
 use crate::points::base::Base;
-use crate::points::gross_errors::most;
+use crate::points::gross_errors::MOST;
 use crate::points::model::Model;
 
 /// Median lengths from which on a point is far off: eight standard deviations, of which the median of three coordinates is 1.54.
 const FAR: f64 = 8.0 / 1.54;
-
-/// Lines of the table that are named.
-const NAMED: usize = 6;
 
 /// What is far off in what a model leaves, if it is more than mistakes are, or anything where gross errors stayed (`are_many`).
 /// `noise_um` is the standard deviation of a coordinate.
@@ -39,14 +37,12 @@ pub(crate) fn doubted(
     let far: Vec<usize> = largest.filter(|point| lengths[*point] > limit).collect();
     let too_many = match are_many {
         true => 0,
-        false => most(all.len()),
+        false => most(MOST, all.len()),
     };
     if far.len() <= too_many {
         return None;
     }
-    let lines = far.iter().take(NAMED);
-    let lines: Vec<String> = lines.map(|point| all[*point].line.to_string()).collect();
-    let more = if far.len() > NAMED { " and others" } else { "" };
+    let lines = far.iter().map(|point| all[*point].line);
     let squares: f64 = far.iter().map(|point| lengths[*point].powi(2)).sum();
     Some(Unexplained {
         level: Level::Points,
@@ -56,10 +52,10 @@ pub(crate) fn doubted(
         is_of_tests: false,
         varies_with: vec!["reading"],
         note: format!(
-            "{} of {} points are far off, too many or too close together to leave out: lines {}{more}",
+            "in {} of {} stops a point is far off, too many or too close together to leave out: {}",
             far.len(),
-            all.len(),
-            lines.join(", ")
+            base.readings.stops.len(),
+            first_lines(lines)
         ),
     })
 }

@@ -14,6 +14,7 @@ use nalgebra::Vector3;
 use trueaxis_campaign::Points;
 
 use crate::Rejected;
+use crate::engine::most;
 use crate::points::base::Base;
 use crate::points::model::{Model, left_of};
 use crate::selection::{Gram, ln_f_test};
@@ -22,7 +23,7 @@ use crate::selection::{Gram, ln_f_test};
 const LEVEL: f64 = 1e-4;
 
 /// Part of the points that may be wrong, and at least one.
-const MOST: f64 = 0.01;
+pub(crate) const MOST: f64 = 0.01;
 
 /// Points that stand out by less than this part of the largest wait: what they contradict may be that one.
 const AT_ONCE: f64 = 0.5;
@@ -146,17 +147,6 @@ fn first_of_steps(mut found: Vec<Gross>) -> Vec<Gross> {
     out
 }
 
-/// Most accidents among a number of points.
-pub(crate) fn most(count: usize) -> usize {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a count"
-    )]
-    let most = (MOST * count as f64) as usize;
-    most.max(1)
-}
-
 /// Whether these are so few and so scattered that they are accidents.
 pub(crate) fn are_accidents(gross: &[Gross], base: &Base<'_>, points: &Points) -> bool {
     let steps = |gross: &[Gross]| {
@@ -165,7 +155,7 @@ pub(crate) fn are_accidents(gross: &[Gross], base: &Base<'_>, points: &Points) -
         steps.dedup();
         steps.len()
     };
-    if steps(gross) > most(points.readings.len()) {
+    if steps(gross) > most(MOST, points.readings.len()) {
         return false;
     }
     // In measuring order, target by target.

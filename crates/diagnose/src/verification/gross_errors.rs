@@ -18,6 +18,7 @@
 use nalgebra::{DMatrix, DVector};
 use trueaxis_campaign::Verification;
 
+use crate::engine::most;
 use crate::selection::{Projection, dot, ln_f_test};
 use crate::verification::base::{cells, passes};
 use crate::verification::comparison::Comparison;
@@ -34,7 +35,7 @@ pub(crate) const LEVEL: f64 = 1e-4;
 const HIDDEN: f64 = 1e-3;
 
 /// Part of the arrivals that may be slips, two in a row for one, and at least one.
-const MOST: f64 = 0.03;
+pub(crate) const MOST: f64 = 0.03;
 
 /// Slips in a row, at most: more are structure.
 pub(crate) const MOST_IN_A_ROW: usize = 2;
@@ -72,7 +73,7 @@ pub(crate) fn gross_errors(
         return Vec::new();
     };
     let count = comparison.arrivals.len();
-    let most = most(count);
+    let most = most(MOST, count);
     let screen = Screen {
         model,
         comparison,
@@ -129,17 +130,6 @@ pub(crate) fn gross_errors(
         GrossError::new(verification, reading, error, contradicts)
     });
     said.collect()
-}
-
-/// Most slips of a number of readings or arrivals: more are structure.
-pub(crate) fn most(count: usize) -> usize {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a count"
-    )]
-    let most = (MOST * count as f64) as usize;
-    most.max(1)
 }
 
 /// What the arrivals are tested with.

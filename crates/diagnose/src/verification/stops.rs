@@ -8,11 +8,12 @@
 
 use trueaxis_campaign::Verification;
 
+use crate::engine::most;
 use crate::selection::ln_f_test;
 use crate::verification::base::cells;
 use crate::verification::comparison::Comparison;
 use crate::verification::gross_error::{Contradicts, GrossError};
-use crate::verification::gross_errors::{IS_ON_ITS_WAY, LEAST_DEGREES_OF_FREEDOM, LEVEL, most};
+use crate::verification::gross_errors::{IS_ON_ITS_WAY, LEAST_DEGREES_OF_FREEDOM, LEVEL, MOST};
 use crate::verification::resolution::resolution_um;
 
 /// The readings of a table that contradict others of their stops, in its order.
@@ -42,7 +43,7 @@ pub(crate) fn slips_within_stops(
         if !is_clear || others.freedom < LEAST_DEGREES_OF_FREEDOM {
             break;
         }
-        if found == most(count) {
+        if found == most(MOST, count) {
             return Vec::new();
         }
         found += 1;

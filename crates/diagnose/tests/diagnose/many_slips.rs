@@ -94,6 +94,25 @@ fn too_many_doubtful_readings_are_unknown() {
     }
 }
 
+/// Eight of 132 readings of two cycles, none beside another: which of the two of a position is wrong nothing tells, so that all stay.
+#[test]
+fn of_two_cycles_none_of_many_is_left_out() {
+    for seed in 0..8 {
+        let mut random = generator(seed, 55);
+        let table = table_of_stops(2, 33, |row, _, stop| {
+            let off = if row % 15 == 7 && row < 120 {
+                60.0
+            } else {
+                0.0
+            };
+            3.0 * (0.3 * stop as f64).sin() + off + normal(&mut random)
+        });
+        let found = found(table);
+        assert!(found.rejected.is_empty(), "{seed}: {:?}", found.rejected);
+        assert!(is_doubted(&found), "{seed}: {:?}", found.unexplained);
+    }
+}
+
 /// A zero that jumps within a pass, a warm-up, a hall that swings, and tables in order have no doubtful readings.
 #[test]
 fn what_goes_with_time_is_no_doubtful_reading() {

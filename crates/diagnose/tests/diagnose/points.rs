@@ -222,6 +222,17 @@ fn too_many_gross_errors_are_not_clean() {
         );
         let left = found.unexplained.unwrap();
         assert_eq!(left.varies_with, ["reading"], "{}", left.note);
+        // Each of them in a stop of its own, of three points.
+        let words: Vec<&str> = left.note.split(' ').collect();
+        let ["in", stops, "of", "252", "stops", ..] = words[..] else {
+            panic!("{}", left.note);
+        };
+        let (stops, wrong): (usize, usize) = (stops.parse().unwrap(), 756 / one_in);
+        assert!(
+            (wrong - wrong / 20..=wrong + 1).contains(&stops),
+            "{}",
+            left.note
+        );
     }
 }
 
