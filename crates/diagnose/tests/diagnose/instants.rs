@@ -174,8 +174,8 @@ fn assert_parted(readings: u32) {
 }
 
 /// Three targets at eleven steps of X, four times; the machine shifts between the first and the second point of a stop. The first one
-/// was left out as a gross error, and stayed out. Where a target slips long before, its instant is not next to that point: moved
-/// there with that of the shift, the slip explained nothing any more, and the point stayed out, too.
+/// was left out as a gross error, and stayed out. So it is where a target slips long before, whose
+/// instant is not next to that point and stays where it is.
 #[test]
 fn a_point_before_a_shift_within_its_stop_is_none_that_is_wrong() {
     for slip_um in [0.0, 25.0] {
