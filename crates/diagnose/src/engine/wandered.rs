@@ -115,6 +115,9 @@ fn span_s<'h>(some: impl Iterator<Item = &'h Here> + Clone) -> [f64; 2] {
     [first, times.fold(first, f64::max)]
 }
 
+/// A position in mm or deg, and the axis there, position in mm or rad; none of what has no place.
+type Place<'b> = (Option<f64>, Option<(&'b Axis, f64)>);
+
 /// The coefficients of a disturbance given the data, in units of what they have beforehand.
 struct Coefficients<'h> {
     all: &'h [Here],
@@ -211,9 +214,9 @@ impl<'h> Coefficients<'h> {
         curve
     }
 
-    /// Where the geometry of an axis is shown, mm or deg, and the axis at this position, mm or rad: at the ends of what was measured
-    /// that are not home, of a rotary axis a quarter of a turn apart.
-    fn places<'b, D: Wanders>(&self, base: &'b D) -> Vec<(Option<f64>, Option<(&'b Axis, f64)>)> {
+    /// Where the geometry of an axis is shown: at the ends of what was measured that are not home, of a rotary axis a quarter of a turn
+    /// apart.
+    fn places<'b, D: Wanders>(&self, base: &'b D) -> Vec<Place<'b>> {
         let (Who::Axis(axis), With::TimeAndPosition) = (self.wanderer.who, self.wanderer.with)
         else {
             return vec![(None, None)];

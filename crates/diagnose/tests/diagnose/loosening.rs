@@ -34,7 +34,8 @@ fn measured(seed: u64, cycles: u32, timed: bool) -> (Diagnosis, Lost) {
     let mut generator = generator(seed, 77);
     let drive = Drive {
         first_um: generator.random_range(2.0..7.0),
-        change_um: generator.random_range(3.0..8.0) * if seed % 2 == 0 { 1.0 } else { -1.0 },
+        change_um: generator.random_range(3.0..8.0)
+            * if seed.is_multiple_of(2) { 1.0 } else { -1.0 },
         constant: generator.random_range(0.3..1.0),
     };
     // At one feed late readings would be the same.
