@@ -208,6 +208,7 @@ fn with_lengths(
     settings: &Settings,
 ) -> Result<Option<Campaign>, Error> {
     let mut without = None;
+    let is_whole = |cause: &Cause| cause.parameters.iter().all(|p| p.u.is_finite());
     for entry in &mut said.entries {
         let causes = &mut entry.causes;
         if causes.iter().any(|cause| !is_whole(cause)) {
@@ -234,11 +235,6 @@ fn with_lengths(
     }
     diagnosis.take(said);
     Ok(without)
-}
-
-/// Whether all of a cause is seen, so that it can be taken out.
-fn is_whole(cause: &Cause) -> bool {
-    cause.parameters.iter().all(|p| p.u.is_finite())
 }
 
 /// What the points say, and the calibration without the causes and gross errors that they show.

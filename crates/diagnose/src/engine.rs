@@ -61,9 +61,7 @@ pub(crate) use competition::{
 pub(crate) use culprit::{Culprit, Culprits};
 pub(crate) use estimated::{cause, derivative, with_uncertainties};
 pub(crate) use held_out::{FOLDS, HeldOut, Sums, resampled_ratios, sought_again};
-pub(crate) use hypotheses::{
-    duration_s, in_equal_ratios, is_tested, leave_before_out, of_catalogue, scan, scans,
-};
+pub(crate) use hypotheses::{duration_s, in_equal_ratios, is_tested, of_catalogue, scan, scans};
 pub(crate) use listed::{Beside, Chosen, Judged, Listed, without};
 pub(crate) use measured::{Found, Measured, Suspect};
 pub(crate) use omnibus::{

@@ -95,7 +95,7 @@ impl<'a> Circumstances<'a> {
 
     /// Displacement of the target when an axis makes a small additional motion: 1 mm along a linear axis,
     /// 1 rad about a rotary one (to first order). Zero if the axis does not move the target.
-    pub fn unit_motion(&self, axis: usize) -> Vector3<f64> {
+    pub(crate) fn unit_motion(&self, axis: usize) -> Vector3<f64> {
         if !self.is_carried_by(axis) {
             return Vector3::zeros();
         }

@@ -105,9 +105,7 @@ impl Adjustment for GroupAdjustment<'_> {
         s: &[f64],
         next: &mut State,
     ) -> (f64, Result<Reduced, LeastSquaresError>) {
-        let (squares, reduced) = self.step_and(Some(Gauge::Free), from, (s, 1.0), next);
-        let reduced = reduced.map(|reduced| observed(reduced, &self.known_rows(next)));
-        (squares, reduced)
+        self.step_and(Some(Gauge::Free), from, (s, 1.0), next)
     }
 
     fn free_motions(&self, state: &State) -> Vec<Vec<f64>> {
@@ -147,8 +145,8 @@ impl GroupAdjustment<'_> {
         next: &mut State,
     ) -> (f64, Result<Reduced, LeastSquaresError>) {
         self.step_shared(state, s, factor, next);
-        let known = self.known_rows(next).into_iter();
-        let of_known: f64 = known.map(|row| row.residual.powi(2)).sum();
+        let known = self.known_rows(next);
+        let of_known: f64 = known.iter().map(|row| row.residual.powi(2)).sum();
         let groups = groups_of(&self.batches, &pieces(self.batches.len()));
         let ends = &self.network.groups;
         let of_points = groups
@@ -176,6 +174,10 @@ impl GroupAdjustment<'_> {
             gauge,
         };
         let (squares, reduced) = self.pass(pass, parts.collect());
+        let reduced = match gauge {
+            Some(_) => reduced.map(|reduced| observed(reduced, &known)),
+            None => reduced,
+        };
         (squares + of_known, reduced)
     }
 

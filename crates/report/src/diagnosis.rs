@@ -164,12 +164,16 @@ impl Disturbance {
         self.subject.get(field).is_some_and(Value::is_string)
     }
 
+    /// The axis that it is of.
+    pub(crate) fn axis(&self) -> Option<&str> {
+        self.subject.get("axis").and_then(Value::as_str)
+    }
+
     /// `disturbance of station S2, with time`; of readings also where, as there may be several files.
     pub(crate) fn name(&self) -> String {
         let with = self.varies_with.join(" and ");
         let is_of_readings = self.level == "verification";
-        let axis = self.subject.get("axis").and_then(Value::as_str);
-        let name = match (self.layer.as_str(), axis) {
+        let name = match (self.layer.as_str(), self.axis()) {
             ("instrument", None) if is_of_readings => {
                 "disturbance of the reading instrument".to_owned()
             }

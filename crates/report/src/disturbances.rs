@@ -20,7 +20,13 @@ impl DisturbanceView {
         let curve = of.curve.as_deref().unwrap_or_default();
         Self {
             name: of.name(),
-            figures: smooth(k, curve, argument(of), coordinates(of), axis(of)),
+            figures: smooth(
+                k,
+                curve,
+                argument(of),
+                coordinates(of),
+                of.axis().unwrap_or_default(),
+            ),
         }
     }
 }
@@ -45,19 +51,12 @@ const OF_FRAME: [&str; 6] = ["x", "y", "z", "about x", "about y", "about z"];
 const OF_SCALE: [&str; 2] = ["middle of the line", "length of the line"];
 
 fn coordinates(of: &Disturbance) -> &'static [&'static str] {
-    let is_of_axis = of.is_of("axis");
     match of.varies_with.as_slice() {
-        [with] if with == "time" && is_of_axis => &OF_SCALE,
+        [with] if with == "time" && of.axis().is_some() => &OF_SCALE,
         [time, position] if time == "time" && position == "position" => &OF_FRAME,
         _ if of.is_of_frame() => &OF_FRAME,
         _ => &COORDINATES,
     }
-}
-
-/// The axis whose geometry it is.
-fn axis(of: &Disturbance) -> &str {
-    let name = of.subject.get("axis").and_then(serde_json::Value::as_str);
-    name.unwrap_or_default()
 }
 
 /// The course of a disturbance, a figure with its 95 % band for each coordinate, all to one scale; of the geometry of an axis at each

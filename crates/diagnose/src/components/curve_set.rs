@@ -15,6 +15,7 @@ use trueaxis_calibrate::{AxisResult, Calibration};
 use trueaxis_campaign::Direction;
 use trueaxis_effects::AxisPosition;
 use trueaxis_kinematics::{Axis, AxisKind, Component, Machine, MotionError};
+use trueaxis_leastsquares::median;
 use trueaxis_predict::Unit;
 
 use crate::components::candidates::Candidate;
@@ -313,8 +314,7 @@ fn step_of(nodes: &[(f64, f64)]) -> f64 {
     positions.sort_by(f64::total_cmp);
     let mut gaps: Vec<f64> = positions.windows(2).map(|pair| pair[1] - pair[0]).collect();
     gaps.retain(|gap| *gap > 0.0);
-    gaps.sort_by(f64::total_cmp);
-    gaps.get(gaps.len() / 2).copied().unwrap_or(0.0)
+    median(&mut gaps).unwrap_or(0.0)
 }
 
 /// One component, µm or arcsec.

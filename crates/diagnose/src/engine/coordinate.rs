@@ -27,7 +27,7 @@ impl Coordinate {
 /// How something is moved that an axis carries.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Motion {
-    /// The axis goes further.
+    /// The linear axis goes further.
     Along,
     /// Along a direction of what carries it.
     Displaced(usize),
@@ -139,8 +139,6 @@ impl Law {
 /// What an axis carries, at a reading.
 struct Stage<'a> {
     axis: &'a Axis,
-    /// What the axis moves the target by, 1 mm or 1 rad.
-    along: Vector3<f64>,
     ref_from_base: Rotation3<f64>,
     /// From the pivot, which the stage of the axis carries: where the centroid of the targets would be if all that stands on it were at
     /// home.
@@ -160,7 +158,6 @@ impl<'a> Stage<'a> {
         };
         Self {
             axis: &at.machine.axes()[axis],
-            along: at.unit_motion(axis),
             ref_from_base: at.ref_from_base(axis).rotation.to_rotation_matrix(),
             arm_mm: at.point_mm - pivot_mm,
             position: at.position(axis),
@@ -171,7 +168,7 @@ impl<'a> Stage<'a> {
     fn moved(&self, motion: Motion, law: Law) -> Vector3<f64> {
         let direction = |k: usize| self.ref_from_base.matrix().column(k).into_owned();
         let moved = match motion {
-            Motion::Along => self.along * MICROMETRE,
+            Motion::Along => self.ref_from_base * self.axis.direction().into_inner() * MICROMETRE,
             Motion::Displaced(k) => direction(k) * MICROMETRE,
             Motion::Turned(k) => direction(k).cross(&self.arm_mm) * ARCSEC,
         };

@@ -26,8 +26,9 @@
 //! | axis | its scale: the middle of its travel, and one end against it | time | 16 | x | x |
 //! | axis | its geometry ([`mod@super::coordinate`]) | time, by functions of its position | 8 | x | x |
 //!
-//! An axis over position is none: the base model's free poses take it, and so they take the mean of its geometry. Without targets on the bed the machine in time
-//! and all tripods (the frame without its rotations) in time are one thing under two names, and always given as two.
+//! An axis over position is none: the base model's free poses take it, and so they take the mean of its geometry. Without
+//! targets on the bed the machine in time and all tripods (the frame without its rotations) in time are one thing under two
+//! names, and always given as two.
 
 use trueaxis_effects::{Layer, Scene, Subject};
 use trueaxis_leastsquares::{half_waves, matern_roots};

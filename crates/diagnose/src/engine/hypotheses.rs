@@ -101,8 +101,15 @@ fn scan_at<D: Measured>(
     let columns = |shape: f64| columns(&hypothesis, shape);
     let shapes = match hypothesis.effect.shape {
         Shape::Instant => {
-            let columns =
-                |is_after: &dyn Fn(usize) -> bool| data.columns_after(model, &hypothesis, is_after);
+            let all = data.unwhitened(model, &hypothesis);
+            let columns = |is_after: &dyn Fn(usize) -> bool| {
+                let mut columns = all.clone();
+                for column in &mut columns {
+                    leave_before_out(column, is_after);
+                    data.whiten(model, column);
+                }
+                columns
+            };
             let scan = StepScan::new(hypothesis, projection, visits, &columns)?;
             return Some(Box::new(scan));
         }
@@ -115,13 +122,11 @@ fn scan_at<D: Measured>(
     Some(Box::new(scan))
 }
 
-/// Makes columns zero in the rows that are not after something.
-pub(crate) fn leave_before_out(columns: &mut [Vec<f64>], is_after: &dyn Fn(usize) -> bool) {
-    for column in columns {
-        let rows = column.iter_mut().enumerate();
-        rows.filter(|(row, _)| !is_after(*row))
-            .for_each(|(_, value)| *value = 0.0);
-    }
+/// Makes a column zero in the rows that are not after something.
+fn leave_before_out(column: &mut [f64], is_after: &dyn Fn(usize) -> bool) {
+    let rows = column.iter_mut().enumerate();
+    rows.filter(|(row, _)| !is_after(*row))
+        .for_each(|(_, value)| *value = 0.0);
 }
 
 /// `count` values from `first` on, each `ratio` times the one before; none without a first.

@@ -39,13 +39,10 @@ pub(crate) trait Measured: Sync {
         model: &'m Self::Model,
     ) -> impl Fn(&Hypothesis, f64) -> Vec<Vec<f64>> + Sync + 'm;
 
-    /// The same from the beginning of time on, but of the rows only that are after something.
-    fn columns_after(
-        &self,
-        model: &Self::Model,
-        hypothesis: &Hypothesis,
-        is_after: &dyn Fn(usize) -> bool,
-    ) -> Vec<Vec<f64>>;
+    /// The same from the beginning of time on, and not whitened.
+    fn unwhitened(&self, model: &Self::Model, hypothesis: &Hypothesis) -> Vec<Vec<f64>>;
+
+    fn whiten(&self, model: &Self::Model, column: &mut [f64]);
 
     /// Rows and times between which an instant may lie.
     fn visits(&self) -> Vec<VisitTimes>;

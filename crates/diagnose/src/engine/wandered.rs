@@ -82,12 +82,13 @@ fn range<D: Wanders>(
     if matches!(wanderer.with, With::Position | With::Sides)
         && let Some(axis) = course.or(wanderer.subject().axis)
     {
-        let in_unit = of_axis(base, axis);
-        let unit = match base.scene().machine.axes()[axis].kind() {
+        let own = &base.scene().machine.axes()[axis];
+        let unit = match own.kind() {
             AxisKind::Linear => "mm",
             AxisKind::Rotary => "deg",
         };
-        return (base.ends(axis).map(in_unit), unit);
+        let ends = base.ends(axis).map(|end| shown_position(own, end));
+        return (ends, unit);
     }
     if wanderer.with != With::Occupation {
         return (span_s(all.iter()), "s");
@@ -99,10 +100,9 @@ fn range<D: Wanders>(
     (longest.unwrap_or_default(), "s")
 }
 
-/// Positions of an axis in mm or deg.
-fn of_axis<D: Wanders>(base: &D, axis: usize) -> impl Fn(f64) -> f64 + use<D> {
-    let kind = base.scene().machine.axes()[axis].kind();
-    move |position: f64| match kind {
+/// A position of an axis, mm or rad, in mm or deg.
+fn shown_position(axis: &Axis, position: f64) -> f64 {
+    match axis.kind() {
         AxisKind::Linear => position,
         AxisKind::Rotary => position.to_degrees(),
     }
@@ -114,9 +114,6 @@ fn span_s<'h>(some: impl Iterator<Item = &'h Here> + Clone) -> [f64; 2] {
     let first = times.clone().fold(f64::INFINITY, f64::min);
     [first, times.fold(first, f64::max)]
 }
-
-/// A position in mm or deg, and the axis there, position in mm or rad; none of what has no place.
-type Place<'b> = (Option<f64>, Option<(&'b Axis, f64)>);
 
 /// The coefficients of a disturbance given the data, in units of what they have beforehand.
 struct Coefficients<'h> {
@@ -197,7 +194,8 @@ impl<'h> Coefficients<'h> {
                 }
                 _ => range(base, self.all, self.wanderer, axis).0,
             };
-            for (position, geometry_at) in self.places(base) {
+            for geometry_at in self.places(base) {
+                let position = geometry_at.map(|(axis, position)| shown_position(axis, position));
                 let shown = coordinate::shown(&self.coordinates, &self.units_um, geometry_at);
                 for point in 0..points {
                     let x = point as f64 / (points - 1) as f64;
@@ -214,12 +212,12 @@ impl<'h> Coefficients<'h> {
         curve
     }
 
-    /// Where the geometry of an axis is shown: at the ends of what was measured that are not home, of a rotary axis a quarter of a turn
-    /// apart.
-    fn places<'b, D: Wanders>(&self, base: &'b D) -> Vec<Place<'b>> {
+    /// The axis whose geometry is shown, at the ends of what was measured that are not home, of a rotary axis a quarter of a turn apart,
+    /// mm or rad; none of anything else, which has no place.
+    fn places<'b, D: Wanders>(&self, base: &'b D) -> Vec<Option<(&'b Axis, f64)>> {
         let (Who::Axis(axis), With::TimeAndPosition) = (self.wanderer.who, self.wanderer.with)
         else {
-            return vec![(None, None)];
+            return vec![None];
         };
         let own = &base.scene().machine.axes()[axis];
         let [low, high] = base.ends(axis);
@@ -230,8 +228,7 @@ impl<'h> Coefficients<'h> {
         let away = places
             .into_iter()
             .filter(|place| place.abs() > 0.05 * (high - low));
-        away.map(|place| (Some(of_axis(base, axis)(place)), Some((own, place))))
-            .collect()
+        away.map(|place| Some((own, place))).collect()
     }
 
     /// All that is shown at a place of a course, 0 to 1, and its standard uncertainties, µm: from the mean over the

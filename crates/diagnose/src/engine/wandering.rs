@@ -46,8 +46,6 @@ pub(crate) trait Wanders: Measured + Clone + Send {
         subject: &Subject,
     ) -> Vec<Vec<Displaced>>;
 
-    fn whiten(&self, model: &Self::Model, column: &mut Vec<f64>);
-
     /// The same with what wanders in their covariance.
     fn beside(&self, disturbances: Vec<Disturbance>) -> Self;
 

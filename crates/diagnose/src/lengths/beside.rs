@@ -105,10 +105,6 @@ impl Wanders for Base<'_> {
         moved.collect()
     }
 
-    fn whiten(&self, model: &Adjusted, column: &mut Vec<f64>) {
-        model.whitened.whiten(column);
-    }
-
     fn beside(&self, disturbances: Vec<Disturbance>) -> Self {
         let mut beside = self.clone();
         beside.disturbances = disturbances;

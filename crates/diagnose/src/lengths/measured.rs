@@ -3,7 +3,7 @@
 use trueaxis_effects::{Layer, Scene, Shape};
 
 use crate::Error;
-use crate::engine::{Culprit, Measured, Suspect, duration_s, in_equal_ratios, leave_before_out};
+use crate::engine::{Culprit, Measured, Suspect, duration_s, in_equal_ratios};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::swapped::swapped;
@@ -51,19 +51,13 @@ impl Measured for Base<'_> {
         move |hypothesis, shape| self.columns_at(&observations, &model.whitened, hypothesis, shape)
     }
 
-    fn columns_after(
-        &self,
-        model: &Adjusted,
-        hypothesis: &Hypothesis,
-        is_after: &dyn Fn(usize) -> bool,
-    ) -> Vec<Vec<f64>> {
+    fn unwhitened(&self, model: &Adjusted, hypothesis: &Hypothesis) -> Vec<Vec<f64>> {
         let observations = self.observations(&model.solution);
-        let mut columns = self.columns_mm(&observations, hypothesis, f64::NEG_INFINITY);
-        leave_before_out(&mut columns, is_after);
-        columns
-            .iter_mut()
-            .for_each(|column| model.whitened.whiten(column));
-        columns
+        self.columns_mm(&observations, hypothesis, f64::NEG_INFINITY)
+    }
+
+    fn whiten(&self, model: &Adjusted, column: &mut [f64]) {
+        model.whitened.whiten(column);
     }
 
     fn visits(&self) -> Vec<VisitTimes> {

@@ -91,10 +91,6 @@ impl Wanders for Base<'_> {
             .collect()
     }
 
-    fn whiten(&self, model: &Model, column: &mut Vec<f64>) {
-        model.whiten(self, column);
-    }
-
     fn beside(&self, disturbances: Vec<Disturbance>) -> Self {
         let mut beside = self.clone();
         beside.disturbances = disturbances;

@@ -4,6 +4,7 @@
 //! five times that. Of a stop only the one that is off most counts, since the others share its pose.
 
 use trueaxis_effects::Level;
+use trueaxis_leastsquares::median;
 
 use crate::Unexplained;
 use crate::engine::{first_lines, most};
@@ -26,9 +27,7 @@ pub(crate) fn doubted(
     let residuals = model.projection.residuals.chunks_exact(3);
     let length = |row: &[f64]| row.iter().map(|e| e * e).sum::<f64>().sqrt();
     let lengths: Vec<f64> = residuals.map(length).take(all.len()).collect();
-    let mut sorted = lengths.clone();
-    sorted.sort_by(f64::total_cmp);
-    let limit = FAR * sorted.get(sorted.len() / 2)?;
+    let limit = FAR * median(&mut lengths.clone())?;
     let stops = base.readings.stops.iter();
     let largest = stops.filter_map(|stop| {
         stop.clone()

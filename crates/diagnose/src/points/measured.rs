@@ -3,7 +3,7 @@
 use trueaxis_effects::{Scene, Shape};
 
 use crate::Error;
-use crate::engine::{Culprit, Measured, Suspect, in_equal_ratios, leave_before_out};
+use crate::engine::{Culprit, Measured, Suspect, in_equal_ratios};
 use crate::points::base::Base;
 use crate::points::model::Model;
 use crate::selection::{ALIKE, Hypothesis, Projection, Score, VisitTimes, is_rival};
@@ -47,15 +47,12 @@ impl Measured for Base<'_> {
         |hypothesis, shape| model.whitened(self, &self.columns_mm(hypothesis, shape))
     }
 
-    fn columns_after(
-        &self,
-        model: &Model,
-        hypothesis: &Hypothesis,
-        is_after: &dyn Fn(usize) -> bool,
-    ) -> Vec<Vec<f64>> {
-        let mut columns = self.columns_mm(hypothesis, f64::NEG_INFINITY);
-        leave_before_out(&mut columns, is_after);
-        model.whitened(self, &columns)
+    fn unwhitened(&self, _: &Model, hypothesis: &Hypothesis) -> Vec<Vec<f64>> {
+        self.columns_mm(hypothesis, f64::NEG_INFINITY)
+    }
+
+    fn whiten(&self, model: &Model, column: &mut [f64]) {
+        model.whiten(self, column);
     }
 
     fn visits(&self) -> Vec<VisitTimes> {

@@ -6,12 +6,12 @@
 
 use trueaxis_effects::{Level, Shape};
 
-use crate::engine::Chosen;
-use crate::selection::{Projection, ln_f_test};
+use crate::engine::{Chosen, Family, Omnibus};
+use crate::selection::{Fit, Projection};
 use crate::verification::base::{indicators, places};
 use crate::verification::problem::Problem;
 use crate::verification::report::rms_of_readings_um;
-use crate::{Unexplained, selection::Fit};
+use crate::{OmnibusTest, Unexplained};
 
 /// What differs between the curves before and after one of the causes, in what a model with all of them leaves.
 pub(crate) fn another_curve(
@@ -42,20 +42,16 @@ pub(crate) fn another_curve(
         .iter()
         .map(|c| later(c))
         .collect();
-    let with = straight.extended(&curve);
-    let (drop, freedom) = (
-        straight.squares() - with.squares(),
-        straight.degrees_of_freedom,
-    );
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a count"
-    )]
-    let rank = (freedom - with.degrees_of_freedom).max(0.0) as usize;
-    let ln_p = ln_f_test(drop, straight.squares(), rank, freedom);
-    let explained = || Fit::new(&straight, &curve).explained;
-    (rank > 0 && with.degrees_of_freedom > 0.0 && ln_p < problem.level.ln()).then(|| Unexplained {
+    let curve = Family {
+        varies_with: "position",
+        columns: curve,
+    };
+    let OmnibusTest {
+        columns, p_value, ..
+    } = Omnibus::of(&curve, &straight).test;
+    let is_tested = columns > 0 && (columns as f64) < straight.degrees_of_freedom;
+    let explained = || Fit::new(&straight, &curve.columns).explained;
+    (is_tested && p_value < problem.level).then(|| Unexplained {
         level: Level::Verification,
         data: String::new(),
         rms_um: rms_of_readings_um(problem, &explained()),

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, Point3, Vector6};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use trueaxis_calibrate::{Settings as Calibrating, calibrate};
-use trueaxis_campaign::{Campaign, Direction, PointReading, Points, Run, Step, Stop, Target};
+use trueaxis_campaign::Campaign;
 use trueaxis_diagnose::{Diagnosis, Settings, Verdict, diagnose_against};
 use trueaxis_kinematics::{
     ARCSEC, GeometricErrors, LocationError, MICROMETRE, Machine, MotionError,
@@ -19,6 +19,7 @@ use trueaxis_predict::CalibratedMachine;
 use crate::counts::Counts;
 use crate::iso_run::{Place, TARGET_MM, places, table};
 use crate::machines::normal;
+use crate::three_runs::three_runs;
 use crate::{campaign, generator, three_axes};
 
 const SIGMA_UM: f64 = 0.5;
@@ -68,61 +69,13 @@ impl GeometricErrors for Truth {
 
 /// Points of three targets along the three axes.
 fn points(machine: &Machine, truth: &Truth, generator: &mut ChaCha8Rng) -> Campaign {
-    let homes = [
-        [20.0, 450.0, 120.0],
-        [160.0, 330.0, 320.0],
-        [250.0, 600.0, 410.0],
-    ];
-    let mut all = campaign(Vec::new());
-    all.targets = ["P", "Q", "K"]
-        .iter()
-        .zip(homes)
-        .map(|(name, home)| Target {
-            name: (*name).into(),
-            home_mm: home.into(),
-            carrier: Some(2),
-            ..Target::default()
-        })
-        .collect();
-    let (mut stops, mut readings) = (Vec::new(), Vec::new());
-    for axis in 0..3 {
-        all.runs.push(Run {
-            name: ["x", "y", "z"][axis].into(),
-            axis,
-        });
-        for i in 0..21 {
-            let mut positions = vec![0.0; 3];
-            positions[axis] = 20.0 * f64::from(i);
-            let step = all.steps.len();
-            all.steps.push(Step {
-                run: Some(axis),
-                positions: positions.clone(),
-            });
-            let first = readings.len();
-            for (target, home) in homes.iter().enumerate() {
-                let mut at = machine.position(truth, 2, &positions, Point3::from(*home));
-                for c in 0..3 {
-                    at[c] += POINT_SIGMA_UM * MICROMETRE * normal(generator);
-                }
-                readings.push(PointReading {
-                    time_s: readings.len() as f64,
-                    target,
-                    position_mm: at,
-                    sigma_um: Some(POINT_SIGMA_UM),
-                    line: readings.len() + 2,
-                });
-            }
-            stops.push(Stop {
-                station: 0,
-                repeat: 1,
-                step,
-                direction: Direction::Forward,
-                readings: first..readings.len(),
-            });
+    three_runs([0.0; 3], POINT_SIGMA_UM, |positions, home| {
+        let mut at = machine.position(truth, 2, positions, Point3::from(home));
+        for c in 0..3 {
+            at[c] += POINT_SIGMA_UM * MICROMETRE * normal(generator);
         }
-    }
-    all.points = Some(Points { stops, readings });
-    all
+        at
+    })
 }
 
 /// A machine, its calibration, and the line that is measured on it.

@@ -7,10 +7,7 @@ use nalgebra::Point3;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use trueaxis_calibrate::{Settings as Calibrating, calibrate};
-use trueaxis_campaign::{
-    Campaign, Direction, PointReading, Points, Run, Step, Stop, Target, Verification,
-    VerificationKind, VerificationReading,
-};
+use trueaxis_campaign::{Direction, Verification, VerificationKind, VerificationReading};
 use trueaxis_diagnose::{Diagnosis, Rival, Settings, Verdict, diagnose_against};
 use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::MICROMETRE;
@@ -18,6 +15,7 @@ use trueaxis_predict::CalibratedMachine;
 
 use crate::counts::summary;
 use crate::iso_run::TARGET_MM;
+use crate::three_runs::three_runs;
 use crate::{campaign, generator};
 
 /// µm/m².
@@ -34,60 +32,15 @@ fn coupling_um(x_mm: f64, y_mm: f64) -> [f64; 3] {
 
 /// Three targets at 21 positions of each axis of a machine that has no other errors.
 fn calibrated(random: &mut ChaCha8Rng) -> CalibratedMachine {
-    let homes = [
-        [20.0, 450.0, 120.0],
-        [160.0, 330.0, 320.0],
-        [250.0, 600.0, 410.0],
-    ];
-    let mut all: Campaign = campaign(Vec::new());
-    all.targets = homes
-        .iter()
-        .zip(["P", "Q", "K"])
-        .map(|(home, name)| Target {
-            name: name.into(),
-            home_mm: (*home).into(),
-            carrier: Some(2),
-            ..Target::default()
-        })
-        .collect();
-    let (mut stops, mut readings) = (Vec::new(), Vec::new());
-    for axis in 0..3 {
-        all.runs.push(Run {
-            name: ["x", "y", "z"][axis].into(),
-            axis,
+    let parked_mm = [PARKED_MM[1], PARKED_MM[0], 0.0];
+    let all = three_runs(parked_mm, POINT_SIGMA_UM, |positions, home| {
+        let off_um = coupling_um(positions[0], positions[1]);
+        let at = std::array::from_fn(|c| {
+            let noise: f64 = StandardNormal.sample(random);
+            home[c] + positions[c] + (off_um[c] + POINT_SIGMA_UM * noise) * MICROMETRE
         });
-        for i in 0..21 {
-            let mut positions = vec![PARKED_MM[1], PARKED_MM[0], 0.0];
-            positions[axis] = 20.0 * f64::from(i);
-            let first = readings.len();
-            let off_um = coupling_um(positions[0], positions[1]);
-            for (target, home) in homes.iter().enumerate() {
-                let at = std::array::from_fn(|c| {
-                    let noise: f64 = StandardNormal.sample(random);
-                    home[c] + positions[c] + (off_um[c] + POINT_SIGMA_UM * noise) * MICROMETRE
-                });
-                readings.push(PointReading {
-                    time_s: readings.len() as f64,
-                    target,
-                    position_mm: Point3::from(at),
-                    sigma_um: Some(POINT_SIGMA_UM),
-                    line: readings.len() + 2,
-                });
-            }
-            stops.push(Stop {
-                station: 0,
-                repeat: 1,
-                step: all.steps.len(),
-                direction: Direction::Forward,
-                readings: first..readings.len(),
-            });
-            all.steps.push(Step {
-                run: Some(axis),
-                positions,
-            });
-        }
-    }
-    all.points = Some(Points { stops, readings });
+        Point3::from(at)
+    });
     let calibration = calibrate(&all, &Calibrating::default()).unwrap();
     calibration.calibrated_machine()
 }

@@ -30,6 +30,7 @@ mod points;
 mod several;
 mod sides;
 mod slips;
+mod three_runs;
 mod true_gain;
 mod unknown;
 mod unseen;
