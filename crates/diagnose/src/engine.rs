@@ -33,6 +33,7 @@
 //! - [`estimated`]: parameters with their uncertainties, shapes included.
 
 mod accidents;
+mod basis;
 mod between;
 mod candidate;
 mod competition;

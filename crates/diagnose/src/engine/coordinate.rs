@@ -10,7 +10,8 @@ pub(crate) enum Coordinate {
     /// A unit of a parameter of an effect.
     Effect(&'static Effect, usize),
     /// What an axis carries is displaced along the axis, or along a direction of what carries the axis, or turned about one and the
-    /// centroid of its targets: a micrometre or an arc second, by a function of where the axis stands, whether it runs or is parked.
+    /// centroid of its targets, by an arc second or what compares with it, by a function of where the axis stands, whether it runs or is
+    /// parked.
     Geometry(Motion, Law),
 }
 
@@ -21,6 +22,10 @@ impl Coordinate {
             Self::Geometry(motion, _) => Self::Geometry(motion, Law::Constant),
             effect @ Self::Effect(..) => effect,
         }
+    }
+
+    pub(crate) fn is_displacement_of_stage(self) -> bool {
+        matches!(self, Self::Geometry(Motion::Displaced(_), _))
     }
 }
 
@@ -60,12 +65,12 @@ pub(crate) fn scale() -> Vec<Coordinate> {
         .into()
 }
 
-/// The geometry of an axis changes: squareness, straightness, bow and tilts. At home all components are zero (the gauge); what moves
-/// there is the machine.
+/// The geometry of an axis changes: squareness, straightness, bow and tilts. What is displaced at home is the machine; what turns there is
+/// what the axis carries.
 pub(crate) fn geometry(kind: AxisKind) -> Vec<Coordinate> {
     let of_turn: &[Law] = match kind {
-        AxisKind::Linear => &[Law::First],
-        AxisKind::Rotary => &[Law::First, Law::Second],
+        AxisKind::Linear => &[Law::Constant, Law::First],
+        AxisKind::Rotary => &[Law::Constant, Law::First, Law::Second],
     };
     let displaced = (0..3).map(|k| (Motion::Displaced(k), [Law::First, Law::Second].as_slice()));
     let turned = (0..3).map(|k| (Motion::Turned(k), of_turn));
@@ -164,14 +169,23 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// By a micrometre, or by an arc second, mm.
+    /// By a unit of a motion, mm.
     fn moved(&self, motion: Motion, law: Law) -> Vector3<f64> {
         let direction = |k: usize| self.ref_from_base.matrix().column(k).into_owned();
         let moved = match motion {
             Motion::Along => self.ref_from_base * self.axis.direction().into_inner() * MICROMETRE,
-            Motion::Displaced(k) => direction(k) * MICROMETRE,
+            Motion::Displaced(k) => direction(k) * self.unit_of_displacement_mm(),
             Motion::Turned(k) => direction(k).cross(&self.arm_mm) * ARCSEC,
         };
         moved * law.at(self.axis, self.position)
+    }
+
+    /// What an arc second makes over the travel of a linear axis; of a rotary axis, whose arms differ, a micrometre.
+    fn unit_of_displacement_mm(&self) -> f64 {
+        let [low, high] = self.axis.travel();
+        match self.axis.kind() {
+            AxisKind::Linear => ARCSEC * (high - low),
+            AxisKind::Rotary => MICROMETRE,
+        }
     }
 }

@@ -22,18 +22,21 @@
 //! | target | three translations | time | 17 | x | x |
 //! | target | three translations | position of the axis that runs | 7 | x | x |
 //! | axis | lost motion, without its mean | position, by side of approach | 8 | x | x |
-//! | axis | lost motion, without its mean | time, by side of approach | 8 | x | x |
-//! | axis | its scale: the middle of its travel, and one end against it | time | 16 | x | x |
-//! | axis | its geometry ([`mod@super::coordinate`]) | time, by functions of its position | 8 | x | x |
+//! | axis | lost motion, without its mean | time, by side of approach | 10 | x | x |
+//! | axis | its scale: the middle of its travel, and one end against it | time | 20 | x | x |
+//! | axis | its geometry ([`mod@super::coordinate`]) | time, by functions of its position | 10 | x | x |
+//!
+//! The waves of the last three go beyond both ends of the campaign ([`mod@super::basis`]).
 //!
 //! An axis over position is none: the base model's free poses take it, and so they take the mean of its geometry. Without
 //! targets on the bed the machine in time and all tripods (the frame without its rotations) in time are one thing under two
 //! names, and always given as two.
 
 use trueaxis_effects::{Layer, Scene, Subject};
-use trueaxis_leastsquares::{half_waves, matern_roots};
 
+use crate::engine::basis::Basis;
 use crate::engine::coordinate::{Coordinate, geometry, parameters, scale};
+use crate::engine::smooth::correlation_lengths;
 
 /// What wanders, and with what.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,11 +79,22 @@ pub(crate) enum With {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Disturbance {
     pub(crate) wanderer: Wanderer,
-    /// ℓ, as a part of the range of the argument.
-    pub(crate) length: f64,
+    pub(crate) spectrum: Spectrum,
     /// w, in the unit of what moves (µm, ppm, arcsec).
     pub(crate) width: f64,
 }
+
+/// What is believed beforehand of the coefficients of a disturbance, but for its width.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Spectrum {
+    /// ℓ, as a part of the range of the argument.
+    pub(crate) length: f64,
+    /// How much wider than the turns of a stage its displacements are; 1 of all else.
+    pub(crate) displaced: f64,
+}
+
+/// An axis that only tilts, that also is out of square, that is hardly tilted.
+const DISPLACED: [f64; 3] = [0.5, 2.0, 8.0];
 
 /// When and where a reading was taken.
 #[derive(Debug, Clone, Copy)]
@@ -158,13 +172,16 @@ impl Wanderer {
         all.collect()
     }
 
-    /// Half waves of each coordinate, beside the constant.
-    fn waves(self) -> u32 {
+    /// The functions of which the course of each coordinate consists. The mean of lost motion is lost motion: an effect of the catalogue.
+    /// That of what an axis does is its error curve.
+    pub(crate) fn basis(self) -> Basis {
         match (self.who, self.with) {
-            (Who::Target(_), With::Position) => 6,
-            (_, With::Occupation | With::Position) => 12,
-            (_, With::Campaign) => 16,
-            (_, With::Sides | With::SidesInTime | With::TimeAndPosition) => 8,
+            (Who::Axis(_), With::Campaign) => Basis::beyond(20),
+            (_, With::SidesInTime | With::TimeAndPosition) => Basis::beyond(10),
+            (_, With::Sides) => Basis::within(8, false),
+            (Who::Target(_), With::Position) => Basis::within(6, true),
+            (_, With::Occupation | With::Position) => Basis::within(12, true),
+            (_, With::Campaign) => Basis::within(16, true),
         }
     }
 
@@ -197,22 +214,39 @@ impl Wanderer {
         courses
     }
 
+    /// All that may be believed of it, equally likely beforehand, where a course has a number of stops.
+    pub(crate) fn spectra(self, stops: usize) -> Vec<Spectrum> {
+        let displaced: &[f64] = match self.with {
+            With::TimeAndPosition => &DISPLACED,
+            _ => &[1.0],
+        };
+        let lengths = correlation_lengths(stops).into_iter();
+        let spectra = lengths.flat_map(|length| {
+            let of_one = displaced.iter();
+            of_one.map(move |&displaced| Spectrum { length, displaced })
+        });
+        spectra.collect()
+    }
+
     /// `S_k^½` for each column.
-    pub(crate) fn roots_of_spectrum(self, scene: &Scene, all: &[Here], length: f64) -> Vec<f64> {
-        let times = self.courses(all).len() * self.coordinates(scene).len();
-        let roots = matern_roots(length, self.waves());
-        roots[usize::from(!self.has_mean())..].repeat(times)
-    }
-
-    /// The mean of lost motion is lost motion: an effect of the catalogue. That of what an axis does is its error curve.
-    pub(crate) fn has_mean(self) -> bool {
-        !matches!(self.who, Who::Axis(_))
-    }
-
-    /// `1` where it has a mean, `cos(πx), ...`.
-    pub(crate) fn basis(self, x: f64) -> impl Iterator<Item = f64> {
-        let mean = self.has_mean().then_some(1.0);
-        mean.into_iter().chain(half_waves(x, self.waves()))
+    pub(crate) fn roots_of_spectrum(
+        self,
+        scene: &Scene,
+        all: &[Here],
+        spectrum: Spectrum,
+    ) -> Vec<f64> {
+        let roots = self.basis().roots_of_spectrum(spectrum.length);
+        let coordinates = self.coordinates(scene).into_iter();
+        let of_course = coordinates.flat_map(|coordinate| {
+            let times = match coordinate.is_displacement_of_stage() {
+                true => spectrum.displaced,
+                false => 1.0,
+            };
+            let roots = roots.iter();
+            roots.map(move |root| times * root)
+        });
+        let of_course: Vec<f64> = of_course.collect();
+        of_course.repeat(self.courses(all).len())
     }
 
     /// What a unit of each coefficient does, course after course, coordinate after coordinate, for readings of `ROWS` rows
@@ -225,7 +259,8 @@ impl Wanderer {
     ) -> Vec<Vec<f64>> {
         let courses = self.courses(all);
         let coordinates = self.coordinates(scene);
-        let width = self.basis(0.0).count();
+        let basis = self.basis();
+        let width = basis.width();
         let count = courses.len() * coordinates.len() * width;
         let mut columns = vec![vec![0.0; ROWS * all.len()]; count];
         let mut waves = Vec::with_capacity(width);
@@ -237,7 +272,7 @@ impl Wanderer {
                 continue;
             };
             waves.clear();
-            waves.extend(self.basis(x));
+            waves.extend(basis.at(x));
             for (c, moved) in unit(i, &coordinates).into_iter().enumerate() {
                 let first = (course * coordinates.len() + c) * width;
                 for (column, wave) in columns[first..].iter_mut().zip(&waves) {
@@ -259,7 +294,7 @@ impl Disturbance {
         all: &[Here],
         mut columns: Vec<Vec<f64>>,
     ) -> Vec<Vec<f64>> {
-        let roots = self.wanderer.roots_of_spectrum(scene, all, self.length);
+        let roots = self.wanderer.roots_of_spectrum(scene, all, self.spectrum);
         for (column, root) in columns.iter_mut().zip(roots) {
             column.iter_mut().for_each(|x| *x *= self.width * root);
         }

@@ -37,7 +37,7 @@ pub(crate) fn wandered<D: Wanders>(
             rms_um: coefficients.rms_um,
             share: 0.0,
             correlation_length: CorrelationLength {
-                value: judged.disturbance.length * (range[1] - range[0]),
+                value: judged.disturbance.spectrum.length * (range[1] - range[0]),
                 unit,
             },
             period: None,
@@ -142,7 +142,7 @@ impl<'h> Coefficients<'h> {
         let posterior = Posterior::new(D::projection(adjusted), &columns);
         let rows = in_mm.first().map_or(0, Vec::len);
         let sums_mm = combined(rows, &in_mm, &posterior.mean);
-        let roots = own.wanderer.roots_of_spectrum(scene, all, own.length);
+        let roots = own.wanderer.roots_of_spectrum(scene, all, own.spectrum);
         Self {
             all,
             wanderer: own.wanderer,
@@ -160,7 +160,7 @@ impl<'h> Coefficients<'h> {
         let of_one = self.posterior.mean.len() / courses.len().max(1);
         let size = |k: usize| {
             let own = k * of_one..(k + 1) * of_one;
-            let width = self.wanderer.basis(0.0).count();
+            let width = self.wanderer.basis().width();
             let varies = own.filter(|i| i % width > 0);
             let displaced = varies.map(|i| {
                 let unit_um = self.units_um[i / width % self.units_um.len()];
@@ -234,8 +234,9 @@ impl<'h> Coefficients<'h> {
     /// All that is shown at a place of a course, 0 to 1, and its standard uncertainties, µm: from the mean over the
     /// course, since the base model takes that for the place of a station or a target.
     fn at(&self, course: usize, x: f64, shown: &[Shown]) -> (Vec<f64>, Vec<f64>) {
-        let mut basis: Vec<f64> = self.wanderer.basis(x).collect();
-        if self.wanderer.has_mean() {
+        let functions = self.wanderer.basis();
+        let mut basis: Vec<f64> = functions.at(x).collect();
+        if functions.has_mean() {
             basis[0] = 0.0;
         }
         let width = basis.len();

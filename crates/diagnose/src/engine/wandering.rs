@@ -9,7 +9,7 @@ use trueaxis_effects::{Displaced, Subject};
 use crate::Error;
 use crate::engine::coordinate::Coordinate;
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, With};
-use crate::engine::smooth::{SMOOTH_LEVEL, Smooth, beside_one_of, correlation_lengths};
+use crate::engine::smooth::{SMOOTH_LEVEL, Smooth, beside_one_of};
 use crate::engine::{Measured, Suspect};
 use crate::selection::{DECISIVE, Projection, by_evidence, dot};
 
@@ -264,7 +264,7 @@ fn joined_by_others<D: Wanders>(
             if let Some(again) = judge(base, &without, before.wanderer, all.len()) {
                 let now = &again.disturbance;
                 moved |= (now.width - before.width).abs() > RESTS * before.width
-                    || now.length.total_cmp(&before.length).is_ne();
+                    || now.spectrum != before.spectrum;
                 let rivals = std::mem::take(&mut own[k].rivals);
                 own[k] = JudgedDisturbance { rivals, ..again };
             }
@@ -312,17 +312,17 @@ fn judge<D: Wanders>(
     family: usize,
 ) -> Option<JudgedDisturbance> {
     let columns = whitened(base, adjusted, base.columns_mm(adjusted, wanderer));
-    let lengths = correlation_lengths(base.stops(wanderer.with));
     let all = base.here();
-    let spectra = lengths
+    let spectra = wanderer.spectra(base.stops(wanderer.with));
+    let roots = spectra
         .iter()
-        .map(|length| wanderer.roots_of_spectrum(base.scene(), &all, *length));
-    let spectra: Vec<Vec<f64>> = spectra.collect();
-    let smooth = Smooth::new(D::projection(adjusted), &columns, &spectra)?;
+        .map(|&spectrum| wanderer.roots_of_spectrum(base.scene(), &all, spectrum));
+    let roots: Vec<Vec<f64>> = roots.collect();
+    let smooth = Smooth::new(D::projection(adjusted), &columns, &roots)?;
     Some(JudgedDisturbance {
         disturbance: Disturbance {
             wanderer,
-            length: lengths[smooth.spectrum],
+            spectrum: spectra[smooth.spectrum],
             width: smooth.width,
         },
         evidence: smooth.evidence - 2.0 * (wanderer.of_kind(base.scene()) as f64).ln(),
@@ -343,8 +343,8 @@ pub(crate) fn of_wandering<D: Wanders>(
     for judged in wandering {
         let own = &judged.disturbance;
         let columns = whitened_columns(base, plain, own);
-        let lengths = correlation_lengths(base.stops(own.wanderer.with)).len();
-        let tried = lengths * own.wanderer.of_kind(base.scene());
+        let spectra = own.wanderer.spectra(base.stops(own.wanderer.with)).len();
+        let tried = spectra * own.wanderer.of_kind(base.scene());
         let (evidence, next) = beside_one_of(&projection, &columns, tried);
         sum += evidence;
         projection = next;
