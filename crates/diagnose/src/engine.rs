@@ -46,6 +46,7 @@ mod hypotheses;
 mod listed;
 mod measured;
 mod omnibus;
+mod opposed;
 mod places;
 mod ranking;
 mod search;
@@ -69,6 +70,7 @@ pub(crate) use omnibus::{
     Family, MOST_OF_FREEDOM, OMNIBUS_LEVEL, Omnibus, family_wise, is_imitation, still_left,
     unexplained, waves_of,
 };
+pub(crate) use opposed::are_opposed;
 pub(crate) use places::{places, side};
 pub(crate) use ranking::{Ranking, plausible};
 pub(crate) use search::{FURTHER_LEVEL, SHAPE_ERROR, Search, find_causes, settle};

@@ -298,7 +298,9 @@ fn parameters(cause: &Cause) -> String {
             _ => parameter,
         };
         if parameter.name == "waves" {
-            return format!("{:.0} waves per turn", parameter.value);
+            let u = parameter.u.filter(|u| *u > 0.0);
+            let u = u.map_or(String::new(), |u| format!(" ± {:.0}", 2.0 * u));
+            return format!("{:.0}{u} waves per turn", parameter.value);
         }
         let name = parameter.name.replace('_', " ");
         let (unit, size) = told_unit(parameter.value, &parameter.unit);

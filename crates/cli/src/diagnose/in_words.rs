@@ -66,6 +66,13 @@ pub(crate) fn parameters(parameters: &[EstimatedParameter]) -> String {
             "time" | "time_constant" | "period" => {
                 format!("{name} {}{}", plain(first), unit(first.unit))
             }
+            "waves" if first.u > 0.0 => {
+                format!(
+                    "{:.0} ± {:.0} waves per turn",
+                    first.value,
+                    COVERAGE * first.u
+                )
+            }
             "waves" => format!("{:.0} waves per turn", first.value),
             _ => format!("{name} {}{}", number(first), unit(first.unit)),
         });

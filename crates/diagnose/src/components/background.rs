@@ -186,6 +186,11 @@ impl Whitening {
         turned(&self.turn, column)
     }
 
+    /// Turns columns side by side, all at once.
+    pub(crate) fn turned_all(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        &*self.turn * columns
+    }
+
     /// Whitens a turned column.
     pub(crate) fn scaled(&self, turned: &[f64]) -> Vec<f64> {
         let pairs = self.scales.iter().zip(turned);

@@ -9,7 +9,8 @@
 //!
 //! `guideway_bow` joins two sets ([`crate::components::bow`]). Periods run from twice the step, the
 //! shortest that equal steps tell from a longer one, to half the travel: what does not repeat at least
-//! twice is not called periodic. Waves of a turn are looked for over any part of it, and named where they show twice; of one or
+//! twice is not called periodic. Waves of a turn are whole numbers, which a small part of a turn does not tell from each other: then
+//! they are looked for as far apart as periods are. They are looked for over any part of it, and named where they show twice; of one or
 //! two a turn, which nobody has to look for, once ([`shows_its_waves`]): a part of a wave is like any smooth curve, with an
 //! amplitude that may be any.
 
@@ -137,13 +138,26 @@ pub(crate) fn spacing(set: &CurveSet, period: f64) -> f64 {
     period * period / (FREQUENCIES_PER_TRAVEL * set.travel())
 }
 
-/// Whole numbers from `fewest` while a wave has two steps.
+/// Whole numbers from `fewest` while a wave has two steps, as far apart as the travel tells them.
 fn waves(set: &CurveSet, fewest: u32) -> Vec<f64> {
-    let most = TAU / (STEPS_PER_PERIOD * set.step()) * (1.0 + f64::EPSILON.sqrt());
+    let most = most_waves(set);
+    let apart = waves_apart(set).map_or(1, |apart| apart as usize);
     (fewest..)
+        .step_by(apart)
         .map(f64::from)
         .take_while(|&waves| waves <= most)
         .collect()
+}
+
+/// Waves a turn of two steps each.
+pub(crate) fn most_waves(set: &CurveSet) -> f64 {
+    TAU / (STEPS_PER_PERIOD * set.step()) * (1.0 + f64::EPSILON.sqrt())
+}
+
+/// Distance of neighbouring waves a turn of the search, if the travel is a part of a turn that does not tell all whole numbers.
+pub(crate) fn waves_apart(set: &CurveSet) -> Option<f64> {
+    let apart = (TAU / (FREQUENCIES_PER_TRAVEL * set.travel())).floor();
+    (apart >= 2.0).then_some(apart)
 }
 
 /// Whether the positions show enough of the waves of a turn to give them their name. Without it they still take their part of a

@@ -57,9 +57,12 @@ pub(crate) struct Thinned {
 /// period take up to five.
 pub(crate) const FEWEST_STEPS: usize = 8;
 
-/// Steps above which they are subsampled: the cost grows with their third power. Waves that the kept ones show as longer ones are told
-/// from these on all of them ([`crate::components::aliases`]).
-const MOST_STEPS: usize = 400;
+/// Steps of an axis above which they are subsampled: the cost of its six curves grows with their third power. Waves that the kept ones
+/// show as longer ones are told from these on all of them ([`crate::components::aliases`]).
+const MOST_STEPS: usize = 96;
+
+/// The same of a line, which is one curve.
+const MOST_STEPS_OF_LINE: usize = 400;
 
 /// All sets of all axes; what is too short is named in `notices`.
 pub(crate) fn curve_sets(
@@ -173,7 +176,7 @@ impl CurveSet {
         values: Vec<f64>,
         variances: Vec<f64>,
     ) -> Self {
-        let stride = positions.len().div_ceil(MOST_STEPS);
+        let stride = positions.len().div_ceil(MOST_STEPS_OF_LINE);
         let variances: Vec<f64> = variances.into_iter().step_by(stride).collect();
         let all: Vec<(f64, f64)> = positions.into_iter().map(|q| (q, 1.0)).collect();
         let mut set = Self {

@@ -9,12 +9,14 @@
 //!
 //! A period is found by Gauss-Newton from the best one of the search: the derivative of the effect with
 //! respect to it joins as a column, so that the uncertainties of amplitude, phase and period know of
-//! each other.
+//! each other. So are the waves a turn of which only a small part was measured, rounded at the end.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::components::background::Background;
-use crate::components::candidates::{Candidate, is_shortest, shortest_told, spacing};
+use crate::components::candidates::{
+    Candidate, is_shortest, most_waves, shortest_told, spacing, waves_apart,
+};
 use crate::components::curve_set::CurveSet;
 use crate::components::judgement::ln_sum;
 use crate::engine::derivative;
@@ -55,34 +57,49 @@ pub(crate) fn estimate(
     let linear = candidate.parameters;
     let mut columns = columns_at(shape);
     let (mut mean, mut covariance) = mixture(backgrounds, &columns);
-    let (mut period, mut u_period) = (shape, 0.0);
-    let has_period = candidate.hypothesis.effect.shape == Shape::Period;
-    if has_period && !is_shortest(set, shape) {
-        let shortest = shortest_told(set);
+    let (mut free, mut u_shape) = (shape, 0.0);
+    let kind = candidate.hypothesis.effect.shape;
+    if let Some([low, high]) = range_of_shape(set, kind, shape) {
         for _ in 0..MAX_STEPS {
-            let derivative = derivative(columns_at, mean.rows(0, linear).as_slice(), period);
-            columns = columns_at(period);
+            let derivative = derivative(columns_at, mean.rows(0, linear).as_slice(), free);
+            columns = columns_at(free);
             columns.push(derivative);
             (mean, covariance) = mixture(backgrounds, &columns);
-            u_period = covariance[(linear, linear)].max(0.0).sqrt();
-            let limit = spacing(set, period);
+            u_shape = covariance[(linear, linear)].max(0.0).sqrt();
+            let limit = match kind {
+                Shape::Waves => waves_apart(set).unwrap_or_default(),
+                _ => spacing(set, free),
+            };
             let step = mean[linear].clamp(-limit, limit);
-            // Not beyond the travel, nor to where the steps show one phase only.
-            period = (period + step).clamp(shortest.min(period), set.travel());
-            if step.abs() <= STEP_TOL * u_period {
+            free = (free + step).clamp(low.min(free), high);
+            if step.abs() <= STEP_TOL * u_shape {
                 break;
             }
         }
     }
+    let shape = match kind {
+        Shape::Waves => free.round(),
+        _ => free,
+    };
     let parameters: Vec<f64> = mean.rows(0, linear).iter().copied().collect();
     let covariance = covariance.view((0, 0), (linear, linear)).into_owned();
     Estimate {
-        curve: combined(set.values.len(), &columns_at(period), &parameters),
+        curve: combined(set.values.len(), &columns_at(shape), &parameters),
         parameters,
         covariance,
-        shape: period,
-        u_shape: u_period,
+        shape,
+        u_shape,
         columns,
+    }
+}
+
+/// Between which values a shape is estimated: a period not beyond the travel, nor to where the steps show one phase only; none of what
+/// is known from the search.
+fn range_of_shape(set: &CurveSet, kind: Shape, shape: f64) -> Option<[f64; 2]> {
+    match kind {
+        Shape::Period if !is_shortest(set, shape) => Some([shortest_told(set), set.travel()]),
+        Shape::Waves => waves_apart(set).map(|_| [1.0, most_waves(set).max(shape)]),
+        _ => None,
     }
 }
 

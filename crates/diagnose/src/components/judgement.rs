@@ -11,6 +11,7 @@
 //! the restricted likelihood with the effect in the model. If the rest were white and unknown, this would
 //! be Student's test.
 
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::components::background::Background;
@@ -45,10 +46,10 @@ impl Judgement {
     /// Whitens the candidate's columns for each size. What is as long as the curve is let go at once: many shapes times many sizes
     /// of it would not fit into memory.
     pub(crate) fn new(set: &CurveSet, backgrounds: &[Background], candidate: &Candidate) -> Self {
-        let raw = raw(set, candidate);
+        let raw = Columns::of(set, candidate);
         let alike = |a: &Background, b: &Background| a.whitening.is_turned_as(&b.whitening);
         let judged = backgrounds.par_chunk_by(alike).flat_map(|alike| {
-            let turned = turn(&alike[0], &raw);
+            let turned = raw.turned(&alike[0]);
             let of_size = move |background| of_size(background, candidate, &turned);
             alike.par_iter().map(of_size)
         });
@@ -136,11 +137,8 @@ pub(crate) fn scan(
     background: &Background,
     candidate: &Candidate,
 ) -> Option<FixedScan> {
-    scan_of(
-        background,
-        candidate,
-        &turn(background, &raw(set, candidate)),
-    )
+    let turned = Columns::of(set, candidate).turned(background);
+    scan_of(background, candidate, &turned)
 }
 
 /// All shapes under one size of the rest, by their number.
@@ -176,35 +174,50 @@ impl Tail {
     }
 }
 
-/// The columns of each shape.
-type Columns = Vec<(f64, Vec<Vec<f64>>)>;
-
-/// The columns of all shapes.
-fn raw(set: &CurveSet, candidate: &Candidate) -> Columns {
-    let shapes = candidate.shapes.iter();
-    shapes
-        .map(|&shape| (shape, set.columns(candidate, shape)))
-        .collect()
+/// The columns of all shapes side by side, each with the number of its own.
+struct Columns {
+    shapes: Vec<(f64, usize)>,
+    all: DMatrix<f64>,
 }
 
-/// Turns the columns of all shapes.
-fn turn(background: &Background, raw: &Columns) -> Columns {
-    let turned = |columns: &Vec<Vec<f64>>| {
-        let turned = columns.iter().map(|c| background.whitening.turned(c));
-        turned.collect()
-    };
-    let all = raw.par_iter();
-    all.map(|(shape, columns)| (*shape, turned(columns)))
-        .collect()
+impl Columns {
+    fn of(set: &CurveSet, candidate: &Candidate) -> Self {
+        let (mut shapes, mut all) = (Vec::new(), Vec::new());
+        for &shape in &candidate.shapes {
+            let columns = set.columns(candidate, shape);
+            shapes.push((shape, columns.len()));
+            all.extend(columns.into_iter().flatten());
+        }
+        let count = shapes.iter().map(|(_, count)| count).sum();
+        Self {
+            shapes,
+            all: DMatrix::from_vec(set.values.len(), count, all),
+        }
+    }
+
+    fn turned(&self, background: &Background) -> Self {
+        Self {
+            shapes: self.shapes.clone(),
+            all: background.whitening.turned_all(&self.all),
+        }
+    }
+
+    /// Those of a shape.
+    fn of_shape(&self, shape: f64) -> impl Iterator<Item = &[f64]> {
+        let before = self.shapes.iter().take_while(|(own, _)| !same(*own, shape));
+        let first: usize = before.map(|(_, count)| count).sum();
+        let own = self.shapes.iter().find(|(own, _)| same(*own, shape));
+        let rows = self.all.nrows();
+        let own = first..first + own.map_or(0, |(_, count)| *count);
+        own.map(move |k| &self.all.as_slice()[k * rows..(k + 1) * rows])
+    }
 }
 
 /// Whitens the turned columns of all shapes.
 fn scan_of(background: &Background, candidate: &Candidate, turned: &Columns) -> Option<FixedScan> {
     let whitened = |shape: f64| {
-        let columns = turned.iter().find(|(own, _)| same(*own, shape));
-        let columns = columns.map_or(&[][..], |(_, columns)| columns);
-        let whitened = columns.iter().map(|c| background.whitening.scaled(c));
-        whitened.collect()
+        let columns = turned.of_shape(shape);
+        columns.map(|c| background.whitening.scaled(c)).collect()
     };
     FixedScan::new(
         candidate.hypothesis,

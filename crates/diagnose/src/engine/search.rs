@@ -12,8 +12,9 @@ use trueaxis_effects::Shape;
 
 use crate::Error;
 use crate::engine::between::{golden_section, neighbours};
+use crate::engine::opposed::are_opposed;
 use crate::engine::{Culprits, Found, Measured, Ranking, Suspect};
-use crate::selection::{DECISIVE, EQUAL, Fit, Hypothesis, Null, Scan};
+use crate::selection::{DECISIVE, EQUAL, Fit, Hypothesis, Null, Scan, combined};
 
 /// The causes, the model with them, and what a further cause would explain that is not one of its own.
 pub(crate) struct Search<M> {
@@ -74,7 +75,7 @@ pub(crate) fn find_causes<D: Measured>(
         if found.len() <= search.found.len() {
             break;
         }
-        if let Some(left) = not_its_own(data, &found) {
+        if let Some(left) = not_its_own(data, &adjusted, &found) {
             search.left = left;
             break;
         }
@@ -107,7 +108,7 @@ pub(crate) const SHAPE_ERROR: f64 = 0.05;
 pub(crate) const FURTHER_LEVEL: f64 = 0.001;
 
 /// What the weakest of several causes explains, if it is not a cause of its own.
-fn not_its_own<D: Measured>(data: &D, found: &[Found]) -> Option<f64> {
+fn not_its_own<D: Measured>(data: &D, model: &D::Model, found: &[Found]) -> Option<f64> {
     if found.len() < 2 {
         return None;
     }
@@ -117,7 +118,18 @@ fn not_its_own<D: Measured>(data: &D, found: &[Found]) -> Option<f64> {
     let weakest = found.iter().map(|f| f.statistic).fold(all, f64::min);
     let is_shape = weakest < SHAPE_ERROR * (all - weakest);
     let is_uncertain = found.iter().any(|f| f.p_value > FURTHER_LEVEL);
-    (is_stacked || is_shape || is_uncertain).then_some(weakest)
+    let is_none = is_stacked || is_shape || is_uncertain || opposed(data, model);
+    is_none.then_some(weakest)
+}
+
+/// Whether the causes of a model are there to take each other away.
+fn opposed<D: Measured>(data: &D, model: &D::Model) -> bool {
+    let columns = data.columns(model);
+    let does = D::suspects(model).iter().map(|suspect| {
+        let own = columns(&suspect.hypothesis, suspect.shape);
+        combined(D::bare(model).rows(), &own, &suspect.parameters)
+    });
+    are_opposed(D::bare(model), &does.collect::<Vec<_>>())
 }
 
 /// Exchanges of causes for better ones before it is enough.

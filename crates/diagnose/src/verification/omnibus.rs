@@ -54,7 +54,10 @@ pub(crate) fn families(
     let of_direction = std::iter::once(direction.clone())
         .chain(of_direction)
         .collect();
-    let of_direction_in_time = (1..=WAVES).map(|k| {
+    // From one side only it would be time under another name.
+    let is_of_both = direction.iter().any(|d| *d != direction[0]);
+    let waves = if is_of_both { WAVES } else { 0 };
+    let of_direction_in_time = (1..=waves).map(|k| {
         let wave = over(&|t| (PI * k as f64 * t).cos());
         times(&wave, &direction)
     });
@@ -108,11 +111,11 @@ pub(crate) fn omnibus(problem: &Problem<'_>, model: &Projection) -> Vec<Omnibus>
 /// Below this a period is worth a word.
 const STANDS_OUT: f64 = 0.01;
 
-/// The period in time that explains most, as text.
+/// The period in time that explains most, as text; none if the table is not longer than it.
 fn period(problem: &Problem<'_>, model: &Projection) -> Option<String> {
     let arrivals = &problem.comparison.arrivals;
     let duration = arrivals.iter().map(|a| a.elapsed_s).fold(0.0, f64::max);
-    let best = best_waves(problem, model)?;
+    let best = best_waves(problem, model).filter(|&waves| waves > 1)?;
     let unit = problem.comparison.unit_of_time();
     Some(told_period(duration / best as f64, unit))
 }

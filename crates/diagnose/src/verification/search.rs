@@ -6,12 +6,12 @@
 //! 2. Of nested forms (constant play within play that changes along the axis) the larger joins only if
 //!    what it has more is significant by itself.
 //! 3. Shapes of all causes are looked for again with the others in the model.
-//! 4. Causes that have become superfluous leave.
+//! 4. Causes that have become superfluous leave, and none joins only to take another one away.
 
 use trueaxis_effects::Shape;
 
-use crate::engine::{Beside, Chosen, FURTHER_LEVEL, Listed, SHAPE_ERROR, without};
-use crate::selection::{DECISIVE, Projection, Score, ln_f_test};
+use crate::engine::{Beside, Chosen, FURTHER_LEVEL, Listed, SHAPE_ERROR, are_opposed, without};
+use crate::selection::{DECISIVE, Fit, Projection, Score, combined, ln_f_test};
 
 /// Causes named at most: more are no longer an explanation.
 pub(crate) const MOST_CAUSES: usize = 3;
@@ -56,11 +56,15 @@ pub(crate) fn search_beside(
         if is_shape_of(listed, &causes, &next) {
             break;
         }
+        let before = causes.clone();
         causes.push(next);
         refine(listed, &mut causes);
         // A single cause was judged when it joined.
         if causes.len() > 1 {
             drop_superfluous(listed, &mut causes, least);
+        }
+        if opposed(listed, &causes) {
+            return before;
         }
     }
     causes
@@ -83,6 +87,20 @@ fn hidden_pair(listed: &Listed, excluded: &[usize], level: f64) -> Vec<Chosen> {
         2 => pair,
         _ => Vec::new(),
     }
+}
+
+/// Whether causes are there to take each other away.
+fn opposed(listed: &Listed, causes: &[Chosen]) -> bool {
+    let of_each = causes.iter().map(std::slice::from_ref);
+    let of_each: Vec<Vec<Vec<f64>>> = of_each.map(|cause| listed.columns(cause)).collect();
+    let fit = Fit::new(&listed.base, &of_each.concat());
+    let mut sizes = fit.estimates.as_slice();
+    let does = of_each.iter().map(|columns| {
+        let (own, others) = sizes.split_at(columns.len());
+        sizes = others;
+        combined(listed.base.rows(), columns, own)
+    });
+    are_opposed(&listed.base, &does.collect::<Vec<_>>())
 }
 
 /// Whether a further cause may be no more than the shape of the others.

@@ -216,10 +216,14 @@ impl Sizes {
     }
 }
 
-/// Whether a cause gains on readings of all series that were not used, with a probability of nine in ten, and imitates in
-/// none that shows it by itself what is left.
+/// Whether two series can show a cause, whether it gains on readings of all series that were not used, with a probability of nine in ten,
+/// and imitates in none that shows it by itself what is left.
 fn is_believed(stack: &Stack<'_>, of_each: &[Vec<Chosen>], causes: &[Chosen], k: usize) -> bool {
     let cause = &causes[k];
+    let members = stack.members[cause.candidate].iter();
+    if members.flatten().count() < 2 {
+        return false;
+    }
     let explained = stack.explained(causes, k);
     let imitates = |number: usize| {
         if explained[number] <= stack.of_noise(cause) {

@@ -107,3 +107,30 @@ fn lost_motion_of_a_rotary_axis_may_have_any_form() {
     assert_eq!(diagnosis.verdict, Verdict::Named);
     assert!(diagnosis.disturbances.is_empty());
 }
+
+/// 20° tell 180 teeth to one or two, 0.76° not to hundred: no number comes without its uncertainty, and none of the thousands between
+/// costs its time.
+#[test]
+fn teeth_of_a_small_part_of_a_turn_are_uncertain() {
+    let worm = |angle_deg: f64, _| 2.0 * (180.0 * angle_deg).to_radians().sin();
+    let found = diagnosed((20.0, 201), &[Direction::Forward], worm);
+    assert_eq!(names(&found), ["worm_gear"]);
+    let parameters = &found.causes[0].parameters;
+    let waves = parameters.iter().find(|p| p.name == "waves").unwrap();
+    assert!((waves.value - 180.0).abs() < 3.0 * waves.u, "{waves:?}");
+    assert!(waves.u > 0.01 && waves.u < 5.0, "{waves:?}");
+    // A wave and a half.
+    let smooth = |angle_deg: f64, _| 2.0 * (700.0 * angle_deg).to_radians().sin();
+    let few = diagnosed((0.76, 20), &[Direction::Forward], smooth);
+    assert_eq!(names(&few), [""; 0]);
+}
+
+/// From one side nothing varies with the side of approach: it was said of a drift.
+#[test]
+fn from_one_side_nothing_varies_with_direction() {
+    let found = diagnosed((30.0, 11), &[Direction::Forward], |_, _| 0.0);
+    let tests = found.levels.iter().flat_map(|level| &level.tests);
+    let names: Vec<&str> = tests.map(|test| test.varies_with).collect();
+    assert!(names.contains(&"time"), "{names:?}");
+    assert!(!names.contains(&"direction in time"), "{names:?}");
+}

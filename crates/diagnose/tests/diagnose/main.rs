@@ -9,6 +9,7 @@ mod ball_bar;
 mod beyond;
 mod calibrated_lines;
 mod clean;
+mod copied;
 mod counts;
 mod coupling;
 mod curves;

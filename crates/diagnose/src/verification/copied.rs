@@ -1,0 +1,64 @@
+//! Rows that repeat earlier ones, reading by reading, as another cycle: pasted, not measured.
+
+use trueaxis_campaign::VerificationReading;
+
+use crate::verification::arrivals::is_same;
+
+/// Rows in a row from which on it may be no chance.
+const LEAST_COPIED: usize = 6;
+
+/// Runs as long that chance makes on average, in the whole table: with coarse readings many pairs are equal.
+const BY_CHANCE: f64 = 1e-4;
+
+/// Rows above which it is not looked for: every row is compared with every other.
+const MOST_ROWS: usize = 10_000;
+
+/// Some rows that are equal to later ones.
+#[derive(Default)]
+struct Run {
+    first: usize,
+    rows: usize,
+    apart: usize,
+}
+
+/// Says which rows repeat which others, if so many do not by chance.
+pub(crate) fn copied(readings: &[VerificationReading]) -> Option<String> {
+    if readings.len() > MOST_ROWS {
+        return None;
+    }
+    let mut longest = Run::default();
+    let (mut comparable, mut equal) = (0_usize, 0_usize);
+    for apart in 1..readings.len() {
+        let mut rows = 0;
+        for (first, (a, b)) in readings.iter().zip(&readings[apart..]).enumerate() {
+            let is_comparable = a.direction == b.direction && a.positions == b.positions;
+            let is_equal = is_comparable && is_same(a.value_um, b.value_um);
+            comparable += usize::from(is_comparable);
+            equal += usize::from(is_equal);
+            rows = if is_equal { rows + 1 } else { 0 };
+            // Not over itself.
+            if rows > longest.rows && rows <= apart {
+                longest = Run {
+                    first: first + 1 - rows,
+                    rows,
+                    apart,
+                };
+            }
+        }
+    }
+    let Run { first, rows, apart } = longest;
+    let chance = (equal + 1 - rows) as f64 / (comparable + 1) as f64;
+    let expected = comparable as f64 * chance.powf(rows as f64);
+    if rows < LEAST_COPIED || expected > BY_CHANCE {
+        return None;
+    }
+    let line = |row: usize| readings[row].line;
+    Some(format!(
+        "the readings in lines {} to {} are those in lines {} to {}, one by one: pasted twice? Each counts as a measurement of its own, \
+         and makes all seem more certain than it is; take those out that were not measured",
+        line(first + apart),
+        line(first + apart + rows - 1),
+        line(first),
+        line(first + rows - 1)
+    ))
+}

@@ -1,0 +1,40 @@
+//! Cycles that were pasted, not measured.
+
+use trueaxis_campaign::Verification;
+
+use crate::iso_run::table_of_stops;
+use crate::machines::normal;
+use crate::{found, generator};
+
+/// Six cycles, rounded to a digit; the last three are the first three if they were pasted.
+fn table(digit_um: f64, is_pasted: bool, seed: u64) -> Verification {
+    let mut random = generator(seed, 67);
+    let mut table = table_of_stops(6, 9, |_, _, stop| {
+        let value = 0.5 * stop as f64 + normal(&mut random);
+        (value / digit_um).round() * digit_um
+    });
+    let half = table.readings.len() / 2;
+    if is_pasted {
+        for k in 0..half {
+            table.readings[half + k].value_um = table.readings[k].value_um;
+        }
+    }
+    table
+}
+
+fn is_said(digit_um: f64, is_pasted: bool, seed: u64) -> bool {
+    let found = found(table(digit_um, is_pasted, seed));
+    found.notices.iter().any(|notice| notice.contains("pasted"))
+}
+
+/// Whole cycles that came again under other numbers were taken for measurements. Of readings to a µm, the scatter of which is one,
+/// every third pair is equal, but not fifty in a row.
+#[test]
+fn pasted_cycles_are_said_and_equal_readings_are_not() {
+    for seed in 0..10 {
+        for digit_um in [0.01, 1.0] {
+            assert!(is_said(digit_um, true, seed), "{digit_um}, seed {seed}");
+            assert!(!is_said(digit_um, false, seed), "{digit_um}, seed {seed}");
+        }
+    }
+}
