@@ -292,7 +292,7 @@ fn rows_against_each_other() {
                     f.json(
                         "\"positioning\", \"axis\": \"X\"",
                         "\"positioning\", \"axis\": \"Y\"",
-                    )
+                    );
                 },
                 "li_x.csv line 3: verification `LI along X` is of axis Y, but Y never moves in it, only X; correct the axis",
             ),
