@@ -54,8 +54,7 @@ impl Coverage {
 }
 
 impl Campaign {
-    /// How often each target was read in each run in which any station saw it, by run and target; targets on the bed
-    /// last.
+    /// How often each target was read in each run in which any station saw it, by run and target; targets on the bed last.
     pub fn coverage(&self) -> Vec<Coverage> {
         match (&self.lengths, &self.points) {
             (Some(lengths), _) => self.covered(&lengths.stops, &lengths.readings),

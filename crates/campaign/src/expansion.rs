@@ -5,8 +5,7 @@ use trueaxis_files::{Alternatives, DocumentError, DocumentProblem};
 use crate::logged::LOGGED_COLUMNS;
 use crate::{AxisExpansion, AxisKindSpec, AxisSpec, Error, Lengths, LoggedQuantity, MachineSpec};
 
-/// A smaller coefficient than this, ppm/K, is one in 1/K: even glass ceramics for scales are known no
-/// better.
+/// A smaller coefficient than this, ppm/K, is one in 1/K: even glass ceramics for scales are known no better.
 const LEAST_PPM_PER_K: f64 = 1e-3;
 
 /// No material of machines expands more, ppm/K; polymers do.

@@ -27,6 +27,9 @@ const FIXED_COLUMNS: [&str; 17] = [
     "dz_um",
 ];
 
+/// Characters of a line that are quoted.
+const MOST_QUOTED: usize = 80;
+
 /// Whether some file has a column of that name, so that no axis can have it.
 pub(crate) fn is_fixed_column(name: &str) -> bool {
     FIXED_COLUMNS.contains(&name) || LoggedQuantity::of_column(name).is_some()
@@ -88,7 +91,7 @@ pub(crate) fn check(
     let is_known = |column: &str| known.iter().any(|known| is_column(known, column));
     if !header.iter().any(|column| is_known(column)) {
         return Err(Problem::NoHeader {
-            found: header.join(","),
+            found: beginning(&header.join(",")),
             expected: required.join(","),
         }
         .at(Place::line(file, line)));
@@ -102,6 +105,14 @@ pub(crate) fn check(
             known: known.iter().map(|&column| column.to_owned()).collect(),
         }
         .at(Place::line(file, line))),
+    }
+}
+
+/// The beginning of a line that may have any length.
+fn beginning(line: &str) -> String {
+    match line.char_indices().nth(MOST_QUOTED) {
+        Some((end, _)) => format!("{}…", &line[..end]),
+        None => line.to_owned(),
     }
 }
 
@@ -129,8 +140,7 @@ fn faults(header: &[&str], required: &[&str], known: &[&str]) -> Vec<ColumnFault
     faults
 }
 
-/// The columns that exist. One that begins like a column with a name of its own is meant as such,
-/// however far the edits are.
+/// The columns that exist. One that begins like a column with a name of its own is meant as such, however far the edits are.
 fn alternatives(column: &str, known: &[&str]) -> Alternatives {
     let begins_like = |known: &&&str| {
         let begin = known.split_once("<name>");

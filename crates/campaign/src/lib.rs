@@ -20,10 +20,9 @@
 //! - a [`Step`] is a run with positions of all axes, shared by all stops there, numbered as steps
 //!   first appear.
 //!
-//! What is wrong is an [`Error`] that says where, what was found, what is expected and how to correct
-//! it. That includes data which the nominal machine cannot have caused, such as lengths in metres,
-//! degrees that are radians, or two stations under each other's names; nothing is converted
-//! silently. What is only unusual is a text in [`Campaign::notices`].
+//! What is wrong is an [`Error`] that says where, what was found, what is expected and how to correct it. That includes data
+//! which the nominal machine cannot have caused, such as lengths in metres, degrees that are radians, or two stations under each
+//! other's names; nothing is converted silently. What is only unusual is a text in [`Campaign::notices`].
 //!
 //! ```
 //! use std::fs;
@@ -62,8 +61,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The crate estimates nothing: it corrects no length for the air, rejects no outlier and finds no
-//! station.
+//! The crate estimates nothing: it corrects no length for the air, rejects no outlier and finds no station.
 
 mod axis_columns;
 mod cell;

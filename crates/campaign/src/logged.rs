@@ -5,8 +5,7 @@
 pub struct LoggedColumn {
     /// Its name in the file, such as `air_temp_c` or `machine_temp_spindle_c`.
     pub name: String,
-    /// One value for each reading, in their order and in the unit of the name; none where the cell
-    /// is empty.
+    /// One value for each reading, in their order and in the unit of the name; none where the cell is empty.
     pub values: Vec<Option<f64>>,
 }
 

@@ -80,8 +80,7 @@ pub struct Instrument {
     /// the campaign, no noise of single lengths.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scale_sigma_ppm: Option<f64>,
-    /// Whether the instrument corrects lengths for the refractive index of the air itself; true if
-    /// it is not given.
+    /// Whether the instrument corrects lengths for the refractive index of the air itself; true if it is not given.
     #[serde(skip_serializing_if = "is_true")]
     pub air_compensated: bool,
 }
@@ -302,8 +301,7 @@ pub struct Verification {
     pub kind: VerificationKind,
     /// Constant part of the standard uncertainty of a reading, µm.
     pub u_um: Option<f64>,
-    /// Proportional part, µm per m: of the commanded position of the axis, or of the nominal length of
-    /// the bar.
+    /// Proportional part, µm per m: of the commanded position of the axis, or of the nominal length of the bar.
     pub u_ppm: Option<f64>,
     /// Its readings in measuring order.
     pub readings: Vec<VerificationReading>,

@@ -1,5 +1,4 @@
-//! Names of axes, targets, stations and runs: looked up by row, unknown ones answered by the
-//! nearest known.
+//! Names of axes, targets, stations and runs: looked up by row, unknown ones answered by the nearest known.
 
 use trueaxis_files::DocumentProblem;
 

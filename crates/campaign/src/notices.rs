@@ -3,8 +3,7 @@
 use crate::reading::Reading;
 use crate::{Campaign, Stop, Target};
 
-/// The first row that is earlier than the row before it, if there is one. `rows` gives the time
-/// and the line of each row.
+/// The first row that is earlier than the row before it, if there is one. `rows` gives the time and the line of each row.
 pub(crate) fn clock_going_back(
     file_name: &str,
     rows: impl IntoIterator<Item = (f64, usize)>,

@@ -4,9 +4,8 @@
 //! that are not in measuring order ([`order`]), repeats that were copied ([`copies`]), lengths that no
 //! known dead path leaves positive ([`dead_paths`]). All else here is about units.
 //!
-//! Measured data are compared with the nominal motion of the machine. Nominal means: within some
-//! mm (targets are mounted by hand) and some degrees (of axis directions), so every test is far
-//! from what a correct campaign can do. In order:
+//! Measured data are compared with the nominal motion of the machine. Nominal means: within some mm (targets are mounted by hand)
+//! and some degrees (of axis directions), so every test is far from what a correct campaign can do. In order:
 //!
 //! 1. **Lengths that change too much** ([`pairs`]). A target that moves from `p` to `p'` changes its
 //!    distance to any fixed station by no more than the triangle inequality allows, wherever the
@@ -28,8 +27,7 @@
 //! 3. **Lengths against `approx_mm`** ([`approx`]), where all stations have it: another unit, or
 //!    another station's place, must fit twenty times better before anything is said.
 //!
-//! Points have no free station: the distances of measured points must be the nominal ones, in
-//! both directions.
+//! Points have no free station: the distances of measured points must be the nominal ones, in both directions.
 //!
 //! For data that fail, the usual mistakes ([`hypothesis`]) are tried; the one with which the data
 //! pass is named in the error. Positions in another unit explain data only if they are then still

@@ -4,10 +4,9 @@ use trueaxis_kinematics::AxisKind;
 
 /// From the model's unit to the file's, such that [`AxisKind::position_from_file`] returns `position` again.
 ///
-/// Multiplying by 180/π alone would print 22.5° as 22.499999999999996. Of the decimal numbers
-/// that read as `position`, the shortest is the one that was in the file. A few angles (one in
-/// ten of those that no file ever held) are not the image of any double in degrees: these come
-/// back one unit in the last place away, and stay there.
+/// Multiplying by 180/π alone would print 22.5° as 22.499999999999996. Of the decimal numbers that read as `position`, the
+/// shortest is the one that was in the file. A few angles (one in ten of those that no file ever held) are not the image of any
+/// double in degrees: these come back one unit in the last place away, and stay there.
 pub(crate) fn in_file(kind: AxisKind, position: f64) -> f64 {
     match kind {
         AxisKind::Linear => position + 0.0,

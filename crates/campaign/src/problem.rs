@@ -47,6 +47,11 @@ pub enum Problem {
     /// The file is not UTF-8.
     #[error("this line is not UTF-8 text; save the file with the encoding UTF-8")]
     NotUtf8,
+    /// The file holds NUL bytes.
+    #[error(
+        "the file holds NUL bytes, so it is no text table; save it as text with the encoding UTF-8"
+    )]
+    NulBytes,
 
     /// The kinematics cannot be built.
     #[error("{problem}")]
@@ -58,20 +63,18 @@ pub enum Problem {
     // What belongs together.
     /// The campaign has no measurement.
     #[error(
-        "the campaign has no data; name its file in `lengths` or `points`, or add a \
-         `verification`"
+        "the campaign has no data; name its file in `lengths` or `points`, or add a `verification`"
     )]
     NothingMeasured,
     /// Lengths and points in one campaign.
     #[error(
-        "the campaign has both `lengths` and `points`; choose one: keep `lengths` for \
-         multilateration, or `points` if another instrument measured coordinates"
+        "the campaign has both `lengths` and `points`; choose one: keep `lengths` for multilateration, or `points` if another \
+         instrument measured coordinates"
     )]
     TwoMeasurements,
     /// The data refer to a list that is empty.
     #[error(
-        "the list is empty, but `{needed_by}` refers to it; add one entry for each \
-         name in the data"
+        "the list is empty, but `{needed_by}` refers to it; add one entry for each name in the data"
     )]
     EmptyList {
         /// `lengths` or `points`.
@@ -126,8 +129,7 @@ pub enum Problem {
     },
     /// A row is longer or shorter than the header.
     #[error(
-        "found {found} fields, expected {expected} as in the header; a decimal comma \
-         would split a number in two"
+        "found {found} fields, expected {expected} as in the header; a decimal comma would split a number in two"
     )]
     FieldCount {
         /// Number of fields in the row.
@@ -142,8 +144,7 @@ pub enum Problem {
     // What the rows say together.
     /// A commanded position beyond the end of the axis.
     #[error(
-        "position {position} {unit} is outside the travel {low} to {high} {unit} of \
-         the axis; {hint}"
+        "position {position} {unit} is outside the travel {low} to {high} {unit} of the axis; {hint}"
     )]
     OutsideTravel {
         /// The position as in the file.
@@ -159,8 +160,8 @@ pub enum Problem {
     },
     /// A target read twice without a motion in between.
     #[error(
-        "target `{target}` is read a second time in the same stop, first in line \
-         {first_line}; keep one of the two rows, or increase `repeat`"
+        "target `{target}` is read a second time in the same stop, first in line {first_line}; keep one of the two rows, or \
+         increase `repeat`"
     )]
     TargetReadTwice {
         /// The target.
@@ -170,8 +171,7 @@ pub enum Problem {
     },
     /// Rows that stand in the file twice.
     #[error(
-        "the same stop with the same time {time_s} s stands in line {first_line} \
-         already; remove the duplicated rows"
+        "the same stop with the same time {time_s} s stands in line {first_line} already; remove the duplicated rows"
     )]
     StopRepeated {
         /// Its time, s.
@@ -241,15 +241,17 @@ pub enum Problem {
         /// Below which distance steps are not meant to differ.
         near: f64,
     },
-    /// A run in which only other axes move.
+    /// A run, or a line of a verification, in which only other axes move.
     #[error(
-        "run `{run}` is of axis {axis}, but {axis} never moves in it, only {}; correct the \
-         axis of the run or the columns",
+        "{kind} `{name}` is of axis {axis}, but {axis} never moves in it, only {}; correct the axis of the {kind}, its \
+         rows or the columns",
         moving.join(", ")
     )]
     WrongAxisMoves {
-        /// The run.
-        run: String,
+        /// `run` or `verification`.
+        kind: &'static str,
+        /// Its name.
+        name: String,
         /// Its axis.
         axis: String,
         /// The axes that do move.
@@ -259,9 +261,8 @@ pub enum Problem {
     // What cannot be true of a machine.
     /// Lengths change more than the targets move.
     #[error(
-        "station `{station}` sees the length to target `{target}` change by \
-         {change_mm:.3} mm from line {first_line} to here, but the target moves only \
-         {moved_mm:.3} mm; {}",
+        "station `{station}` sees the length to target `{target}` change by {change_mm:.3} mm from line {first_line} to \
+         here, but the target moves only {moved_mm:.3} mm; {}",
         UnitMistake::advice(mistake.as_deref())
     )]
     LengthsTooLarge {
@@ -280,9 +281,8 @@ pub enum Problem {
     },
     /// Lengths change less than they must from wherever the station stands.
     #[error(
-        "the lengths from station `{station}` to target `{target}` vary by only \
-         {spread_mm:.4} mm (standard deviation), expected at least {least_mm:.1} mm for the \
-         motion of the target; {}",
+        "the lengths from station `{station}` to target `{target}` vary by only {spread_mm:.4} mm (standard deviation), \
+         expected at least {least_mm:.1} mm for the motion of the target; {}",
         UnitMistake::advice(mistake.as_deref())
     )]
     LengthsTooSmall {
@@ -299,8 +299,7 @@ pub enum Problem {
     },
     /// Measured points are not as far apart as the machine moved.
     #[error(
-        "the point is {measured_mm:.3} mm from the one in line {first_line}, but \
-         nominally {nominal_mm:.3} mm; {}",
+        "the point is {measured_mm:.3} mm from the one in line {first_line}, but nominally {nominal_mm:.3} mm; {}",
         UnitMistake::advice(mistake.as_deref())
     )]
     PointsImpossible {
@@ -315,8 +314,7 @@ pub enum Problem {
     },
     /// Lengths fit the rough positions of the stations only in another unit.
     #[error(
-        "from the approx_mm of station `{station}` the lengths would be {misfit_mm:.1} \
-         mm different (80 % of them less); {mistake}"
+        "from the approx_mm of station `{station}` the lengths would be {misfit_mm:.1} mm different (80 % of them less); {mistake}"
     )]
     ScaleAgainstApprox {
         /// The station.

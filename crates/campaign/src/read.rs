@@ -14,11 +14,9 @@ use crate::{
     verification,
 };
 
-/// Reads the campaign at `path` (its `campaign.json`) with every file that it names, and checks
-/// all of it.
+/// Reads the campaign at `path` (its `campaign.json`) with every file that it names, and checks all of it.
 ///
-/// Names of files are relative to the folder of `path`. What is unusual but allowed is put into
-/// [`Campaign::notices`].
+/// Names of files are relative to the folder of `path`. What is unusual but allowed is put into [`Campaign::notices`].
 ///
 /// # Errors
 /// The first thing wrong: where it is, what was found, what is expected and how to correct it

@@ -11,9 +11,8 @@ impl Campaign {
 
 /// The names of all reflectors, and for each target the index of its own among them.
 ///
-/// Targets that name the same reflector share it and its constant: one reflector is moved from nest
-/// to nest. A target that names none has one of its own, with the target's name. Reflectors are
-/// numbered as they first appear.
+/// Targets that name the same reflector share it and its constant: one reflector is moved from nest to nest. A target that names
+/// none has one of its own, with the target's name. Reflectors are numbered as they first appear.
 pub fn reflectors(targets: &[Target]) -> (Vec<String>, Vec<usize>) {
     let mut names: Vec<String> = Vec::new();
     let of_targets = targets.iter().map(|target| {

@@ -58,8 +58,7 @@ pub(crate) fn targets(
     Ok(targets)
 }
 
-/// A reflector has a name, and not that of a target which has one of its own: that one is called like
-/// the target.
+/// A reflector has a name, and not that of a target which has one of its own: that one is called like the target.
 ///
 /// # Errors
 /// A name that is none, by its field in `campaign.json`.

@@ -20,8 +20,7 @@ pub(crate) struct Steps {
 impl Steps {
     /// The step of `run` at `positions`, if it has appeared. Positions must not hold -0.
     ///
-    /// Rows stay at a step or go on to the next one, as at the station before, so these two are tried
-    /// first.
+    /// Rows stay at a step or go on to the next one, as at the station before, so these two are tried first.
     pub(crate) fn find(&mut self, run: Option<usize>, positions: &[f64]) -> Option<usize> {
         let is_here = |step: &Step| step.run == run && step.positions == positions;
         for likely in [self.last, self.last + 1] {

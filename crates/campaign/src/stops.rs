@@ -210,8 +210,7 @@ impl<'a> StopWriter<'a> {
         }
     }
 
-    /// Writes the columns up to `target`. An index that points nowhere gives an empty name, which
-    /// no reading accepts.
+    /// Writes the columns up to `target`. An index that points nowhere gives an empty name, which no reading accepts.
     pub(crate) fn start_row<R: Reading>(&self, rows: &mut Rows, stop: &Stop, reading: &R) {
         let campaign = self.campaign;
         let station = campaign.stations.get(stop.station).map(|s| s.name.as_str());

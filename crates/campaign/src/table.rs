@@ -10,8 +10,7 @@ use crate::names::Names;
 use crate::text_file::newlines;
 use crate::{Direction, Error, Place, Problem, cell, header};
 
-/// Least size of a piece of a table: some milliseconds of work, beside which the hand-over to
-/// another thread is nothing.
+/// Least size of a piece of a table: some milliseconds of work, beside which the hand-over to another thread is nothing.
 const PIECE_BYTES: usize = 1 << 20;
 
 /// A CSV file that is read row by row.
@@ -34,8 +33,7 @@ pub(crate) struct Table<'a> {
 pub(crate) struct Column(usize);
 
 impl<'a> Table<'a> {
-    /// Reads the header of `text`. Every column must be one of `required` or `optional`, in which
-    /// `<name>` stands for any text.
+    /// Reads the header of `text`. Every column must be one of `required` or `optional`, in which `<name>` stands for any text.
     pub(crate) fn open(
         file: &'a Path,
         text: &'a str,

@@ -19,6 +19,9 @@ pub(crate) fn read(file: &Path, hint: &str) -> Result<String, Error> {
     if bytes.trim_ascii().is_empty() {
         return Err(Problem::Empty.at(place()));
     }
+    if bytes.contains(&0) {
+        return Err(Problem::NulBytes.at(place()));
+    }
     String::from_utf8(bytes).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         Problem::NotUtf8.at(Place::line(file, 1 + newlines(valid)))

@@ -9,6 +9,7 @@ use trueaxis_kinematics::{Ideal, Machine};
 use crate::axis_columns::AxisColumns;
 use crate::document::{VerificationEntry, VerificationKindEntry};
 use crate::rows::{Rows, position_cells};
+use crate::run_axes::check_moves;
 use crate::setup::axis_names;
 use crate::stops::required_columns;
 use crate::table::Table;
@@ -133,6 +134,11 @@ pub(crate) fn read(
     }
     if readings.is_empty() {
         return Err(table.no_rows());
+    }
+    if let VerificationKind::Positioning { axis, .. } = declared.kind {
+        let rows = readings.iter().map(|r| (r.positions.as_slice(), r.line));
+        let of = ("verification", declared.name.as_str());
+        check_moves(file, machine.axes(), axis, of, rows)?;
     }
     check_bar(file, &declared.kind, &readings, machine)?;
     Ok(Verification {

@@ -15,12 +15,10 @@ const CAMPAIGN_FILE: &str = "campaign.json";
 const LENGTHS_FILE: &str = "lengths.csv";
 const POINTS_FILE: &str = "points.csv";
 
-/// Writes `campaign` into `folder`, which is made if it is not there, and returns the path of its
-/// `campaign.json`.
+/// Writes `campaign` into `folder`, which is made if it is not there, and returns the path of its `campaign.json`.
 ///
-/// Only what [`crate::read()`] accepts is written: the texts are read back before a file is touched.
-/// Each file is whole or not there: it is written under a temporary name and renamed, the tables
-/// first and `campaign.json` last.
+/// Only what [`crate::read()`] accepts is written: the texts are read back before a file is touched. Each file is whole or not
+/// there: it is written under a temporary name and renamed, the tables first and `campaign.json` last.
 ///
 /// `read` gives the same campaign again, with the same bits in every number, if
 ///

@@ -122,7 +122,7 @@ pub(crate) struct VolumeArgs {
 
     /// Nodes of the grid along each linear axis, from its first to its last step; the positions of
     /// all other axes are spread over their steps.
-    #[arg(long, value_name = "N", default_value_t = 21, value_parser = clap::value_parser!(u8).range(2..=128))]
+    #[arg(long, value_name = "N", default_value_t = 21, value_parser = clap::value_parser!(u8).range(2..=128), allow_negative_numbers = true)]
     pub(crate) points: u8,
 
     /// The tool point in the reference frame at home, mm, as `100,250,50` [default: the reference
@@ -130,12 +130,12 @@ pub(crate) struct VolumeArgs {
     #[arg(long, value_name = "POINT", value_parser = point, allow_hyphen_values = true)]
     pub(crate) tool: Option<Point3<f64>>,
 
-    /// Number of draws of the calibration's errors for the intervals; 0 for no intervals.
-    #[arg(long, value_name = "N", default_value_t = 400)]
+    /// Number of draws of the calibration's errors for the intervals, 100 at least; 0 for no intervals.
+    #[arg(long, value_name = "N", default_value_t = 400, value_parser = draws, allow_negative_numbers = true)]
     pub(crate) draws: u16,
 
     /// Seed of the draws: the same seed gives the same files, on any number of threads.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     pub(crate) seed: u64,
 
     #[command(flatten)]
@@ -161,7 +161,7 @@ pub(crate) struct ExportArgs {
     pub(crate) axis: Option<String>,
 
     /// Spacing of the points, mm (rotary axes: degrees) [default: the steps of the measurement].
-    #[arg(long, value_name = "MM", value_parser = positive)]
+    #[arg(long, value_name = "MM", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) step: Option<f64>,
 
     /// The tool point in the reference frame at home, mm, as `100,250,50`: one-dimensional tables are
@@ -264,7 +264,7 @@ pub(crate) struct SimulateArgs {
     pub(crate) out: Option<PathBuf>,
 
     /// Seed of the noise: the same seed gives the same files.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     pub(crate) seed: u64,
 }
 
@@ -278,11 +278,11 @@ pub(crate) struct CompletionsArgs {
 #[derive(Debug, ClapArgs)]
 pub(crate) struct Table1Args {
     /// Number of trials for each row of the table.
-    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(100..))]
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(100..), allow_negative_numbers = true)]
     pub(crate) trials: u32,
 
     /// Seed of the noise: the same seed gives the same table, on any number of threads.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     pub(crate) seed: u64,
 
     /// Also print the table as JSON on standard output.
@@ -294,6 +294,32 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     let number = text.parse().ok();
     let positive = number.filter(|x: &f64| x.is_finite() && *x > 0.0);
     positive.ok_or_else(|| "expected a number above zero".to_owned())
+}
+
+/// Fewer draws, or trials, leave too few outside an interval of 95 % to say where it ends.
+const LEAST_DRAWS: usize = 100;
+
+fn draws(text: &str) -> Result<u16, String> {
+    let number = text.parse().ok();
+    let enough = number.filter(|&n| n == 0 || usize::from(n) >= LEAST_DRAWS);
+    enough.ok_or_else(|| {
+        format!(
+            "expected 0, or {LEAST_DRAWS} to {}: fewer give no interval of 95 %",
+            u16::MAX
+        )
+    })
+}
+
+fn seed(text: &str) -> Result<u64, &'static str> {
+    text.parse().map_err(|_| "expected a whole number from 0")
+}
+
+fn trials(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok();
+    let enough = number.filter(|&n| n >= LEAST_DRAWS);
+    enough.ok_or_else(|| {
+        format!("expected {LEAST_DRAWS} or more: fewer give no interval of 95 %, and 200000 are recommended (JCGM 101, 7.2.2)")
+    })
 }
 
 fn point(text: &str) -> Result<Point3<f64>, String> {

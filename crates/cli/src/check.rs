@@ -7,6 +7,7 @@ use trueaxis_kinematics::Branch;
 use crate::args::CheckArgs;
 use crate::exit::Exit;
 use crate::output;
+use crate::summary::named;
 use crate::talk::{notice_all, say, say_all};
 
 mod coverage;
@@ -40,7 +41,7 @@ fn describe(campaign: &Campaign) {
             &format!("{way}: {}", names.as_deref().unwrap_or("none")),
         );
     };
-    say(&campaign.name);
+    say(named(&campaign.name));
     line("machine", &campaign.machine_name);
     branch("bed to tool", Branch::Tool);
     branch("bed to workpiece", Branch::Workpiece);

@@ -73,7 +73,7 @@ fn of_campaign(problem: &Problem, place: &Place) -> &'static str {
         Problem::File(problem) => of_file(problem),
         Problem::Unwritable { .. } => "E004",
         Problem::Empty => "E006",
-        Problem::NotUtf8 => "E007",
+        Problem::NotUtf8 | Problem::NulBytes => "E007",
         Problem::Machine { .. } => "E106",
         Problem::NothingMeasured => "E107",
         Problem::TwoMeasurements => "E108",

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use trueaxis_compensate::{Announcement, Error, ExportedFile, Format, Request, Sizes, export};
+use trueaxis_files::point_mm;
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
 use trueaxis_predict::CalibratedMachine;
 
@@ -44,9 +45,9 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
         ));
     }
     if args.at.is_none() {
-        let [x, y, z]: [f64; 3] = at.coords.into();
         notice(&format!(
-            "no --at: the lines go through the reference point ({x}, {y}, {z}) mm, not through where the machine works"
+            "no --at: the lines go through the reference point {}, not through where the machine works",
+            point_mm(at.into())
         ));
     }
     if format.old_files(machine.machine()).is_ok() {

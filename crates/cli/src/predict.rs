@@ -2,7 +2,7 @@
 
 use serde_json::json;
 use trueaxis_campaign::read_positions;
-use trueaxis_files::counted;
+use trueaxis_files::{counted, point_mm};
 use trueaxis_kinematics::{ARCSEC, MICROMETRE};
 use trueaxis_predict::{CalibratedMachine, Prediction, coverage_factor, to_csv};
 
@@ -32,9 +32,9 @@ pub(crate) fn run(args: &PredictArgs) -> anyhow::Result<Exit> {
     let lines: Vec<usize> = positions.iter().map(|p| p.line).collect();
     say_all(summary(&machine, &predictions, &lines));
     if positions.iter().all(|p| p.point_mm.is_none()) {
-        let [x, y, z]: [f64; 3] = default_mm.coords.into();
         notice(&format!(
-            "the table has no x_mm,y_mm,z_mm: taken for the reference point ({x}, {y}, {z}) mm"
+            "the table has no x_mm,y_mm,z_mm: taken for the reference point {}",
+            point_mm(default_mm.into())
         ));
     }
     let document = json!({

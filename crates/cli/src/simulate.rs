@@ -7,7 +7,8 @@ use trueaxis_simulate::{Scenario, simulate};
 use crate::args::SimulateArgs;
 use crate::exit::Exit;
 use crate::output;
-use crate::talk::say;
+use crate::summary::named;
+use crate::talk::{notice_all, say};
 
 pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Exit> {
     let scenario = Scenario::read(&args.scenario)?;
@@ -20,13 +21,14 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Exit> {
     let lengths = simulated.campaign.lengths.as_ref();
     say(&format!(
         "{}: {}, seed {}",
-        simulated.campaign.name,
+        named(&simulated.campaign.name),
         counted(
             lengths.map_or(0, |lengths| lengths.readings.len()),
             "length"
         ),
         args.seed
     ));
+    notice_all(&simulated.campaign.notices);
     say(&format!(
         "written: {}, {}",
         campaign.display(),

@@ -8,7 +8,7 @@ use trueaxis_calibrate::{
     RelativeLocation,
 };
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_files::{counted, round};
+use trueaxis_files::{counted, point_mm, round};
 use trueaxis_fitting::{paper_c_axis_tilt, paper_squareness};
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 use trueaxis_predict::{Output, coverage_factor};
@@ -49,6 +49,14 @@ pub(crate) fn lines(
     lines.extend(method_losses(calibration));
     lines.extend(misfits(calibration));
     lines
+}
+
+/// The name of a campaign, or that it has none.
+pub(crate) fn named(campaign: &str) -> &str {
+    match campaign.trim() {
+        "" => "campaign without a name",
+        name => name,
+    }
 }
 
 /// What the reliability of the lengths comes to.
@@ -202,7 +210,7 @@ fn component_errors(calibration: &Calibration) -> Vec<String> {
 
 /// Which point the translations, and the lines that they make, belong to.
 fn reference_points(calibration: &Calibration) -> String {
-    let point = |p: &Point3<f64>| format!("({}, {}, {}) mm", p.x, p.y, p.z);
+    let point = |p: &Point3<f64>| point_mm((*p).into());
     let mut points: Vec<(&Point3<f64>, Vec<&str>)> = Vec::new();
     for axis in &calibration.axes {
         let reference = &axis.reference_point_mm;

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use trueaxis_compensate::{Left, Remains, remains};
-use trueaxis_files::{counted, round};
+use trueaxis_files::{counted, point_mm, round};
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
 use trueaxis_predict::{CalibratedMachine, Figure, Volume, VolumeSettings};
 use trueaxis_report::Report;
@@ -56,11 +56,11 @@ pub(crate) fn run(args: &VolumeArgs) -> anyhow::Result<Exit> {
 }
 
 fn lines(machine: &CalibratedMachine, volume: &Volume) -> Vec<String> {
-    let [x, y, z]: [f64; 3] = volume.places.tool_home_mm.coords.into();
     let mut lines = vec![
         format!(
-            "{}; tool point ({x}, {y}, {z}) mm at home{}",
+            "{}; tool point {} at home{}",
             counted(volume.places.count(), "place"),
+            point_mm(volume.places.tool_home_mm.into()),
             match volume.figures.zeroed_at_home.rms.drawn {
                 Some(_) => "; in brackets 95 % intervals",
                 None => "",

@@ -18,7 +18,7 @@ mod sinumerik;
 mod skew;
 
 use nalgebra::Point3;
-use trueaxis_files::round;
+use trueaxis_files::{point_mm, round};
 use trueaxis_kinematics::{AxisKind, Branch, Machine};
 use trueaxis_predict::CalibratedMachine;
 
@@ -325,10 +325,11 @@ impl Request<'_> {
             [] => String::new(),
             effects => format!(", without {}", effects.join(", ")),
         };
-        let [x, y, z]: [f64; 3] = self.at.coords.into();
         format!(
-            "machine {}, campaign {}{effects}; tool point ({x}, {y}, {z}) mm at home",
-            self.machine.name, self.machine.campaign
+            "machine {}, campaign {}{effects}; tool point {} at home",
+            self.machine.name,
+            self.machine.campaign,
+            point_mm(self.at.into())
         )
     }
 }

@@ -6,6 +6,12 @@ pub fn round(value: f64, decimals: i32) -> f64 {
     (value * scale).round() / scale + 0.0
 }
 
+/// A point as people read it, to a tenth of a micrometre: `(140.783, 0, 12.5) mm`.
+pub fn point_mm(point: [f64; 3]) -> String {
+    let [x, y, z] = point.map(|mm| round(mm, 4));
+    format!("({x}, {y}, {z}) mm")
+}
+
 /// Rounded to three significant digits, for probabilities.
 pub fn significant(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
@@ -62,6 +68,8 @@ mod tests {
         assert_eq!(round(-0.000_000_4, 6).to_bits(), 0.0_f64.to_bits());
         assert_eq!(round(1.000_000_6, 6).to_string(), "1.000001");
         assert_eq!(significant(0.012_345).to_string(), "0.0123");
+        let point = [140.783_000_000_000_02, 462.788_066_666_666_7, -1e-9];
+        assert_eq!(point_mm(point), "(140.783, 462.7881, 0) mm");
     }
 
     /// Of all sizes and both signs, and what no table should hold.

@@ -15,7 +15,8 @@ pub enum Error {
     /// All trials would lie inside the coverage interval.
     #[error(
         "{trials} trials are too few for an interval that covers {coverage}: none would lie \
-         outside (10000/(1 - p) are recommended)"
+         outside ({:.0} are recommended)",
+        1e4 / (1.0 - coverage)
     )]
     TooFewTrials {
         /// Trials asked for.

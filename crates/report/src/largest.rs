@@ -1,7 +1,7 @@
 //! The errors that matter most.
 //!
 //! Displacements and angles become comparable as displacements: an angle acts on a lever, half the diagonal of the
-//! travels of the linear axes (without linear axes the distance of the farthest target from the reference point);
+//! travels of the linear axes (without linear axes the distance of the farthest target from the origin);
 //! squareness on the travel of its axis.
 
 use serde::Serialize;

@@ -121,7 +121,7 @@ impl<'a> Page<'a> {
             axes: calibration.map_or_else(Vec::new, components::sections),
             evidence: residuals.and_then(|residuals| Evidence::new(residuals, machine)),
             causes: diagnosis.map(DiagnosisSection::new),
-            verified: verification.map(|of| VerificationSection::new(of, machine)),
+            verified: verification.map(VerificationSection::new),
             calibration: input.calibration.as_ref().map(|document| &document.raw),
             diagnosis: input.diagnosis.as_ref().map(|document| &document.raw),
             volume: input.volume.as_ref(),

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::calibration::Machine;
 use crate::numbers::{COVERAGE, decimals, fixed, signed};
 use crate::page::Figure;
 use crate::svg::plot::{Frame, Plot};
@@ -19,6 +18,8 @@ pub(crate) struct Verification {
     pub(crate) calibration: String,
     pub(crate) campaign: String,
     pub(crate) machine: String,
+    /// The axes whose positions are degrees.
+    rotary_axes: Vec<String>,
     compensated: bool,
     expected_above_one: f64,
     verification: Vec<Entry>,
@@ -95,7 +96,7 @@ impl Verification {
 }
 
 impl VerificationSection {
-    pub(crate) fn new(verification: &Verification, machine: Option<&Machine>) -> Self {
+    pub(crate) fn new(verification: &Verification) -> Self {
         let entries = verification.verification.iter().enumerate();
         let view = |(k, entry): (usize, &Entry)| {
             let predicted = |point: &Point| match verification.compensated {
@@ -109,7 +110,7 @@ impl VerificationSection {
             EntryView {
                 name: entry.name.clone(),
                 kind: entry.kind.clone(),
-                figure: figure(k, entry, machine),
+                figure: figure(k, entry, &verification.rotary_axes),
                 agreement: entry.e_n.as_ref().map(|e_n| {
                     format!(
                         "{} of {} normalised errors Eₙ are above 1, {} expected",
@@ -137,13 +138,13 @@ impl VerificationSection {
 }
 
 /// Readings as dots with their U, the prediction with its band, and what is left with compensation.
-fn figure(k: usize, entry: &Entry, machine: Option<&Machine>) -> Option<Figure> {
+fn figure(k: usize, entry: &Entry, rotary_axes: &[String]) -> Option<Figure> {
     // Coordinates of single places are no curve.
     if entry.kind == "points" {
         return None;
     }
     let axis = moving_axis(entry)?;
-    let is_rotary = machine.is_some_and(|machine| machine.is_rotary(&axis));
+    let is_rotary = rotary_axes.contains(&axis);
     let unit = if is_rotary { "°" } else { " mm" };
     let on_axis = |point: &Point| point.at.get(&axis).copied().unwrap_or(f64::NAN);
     // On a circle of two linear axes a position of one of them is no place: the points follow each other.

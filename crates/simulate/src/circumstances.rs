@@ -30,11 +30,12 @@ impl StopCircumstances<'_> {
     /// What all effects together do to the readings of the stop, in the order of the run's targets.
     ///
     /// `points_mm` are the targets where they are without the effects. Each effect sees these
-    /// circumstances and not what another effect makes of them.
+    /// circumstances and not what another effect makes of them. `acts` is set for those that do something.
     pub(crate) fn displaced(
         &self,
         station_mm: Point3<f64>,
         points_mm: &[Point3<f64>],
+        acts: &mut [bool],
     ) -> Vec<Displaced> {
         let (plan, visit, progress) = (self.plan, self.visit, self.progress);
         let turn_s = progress.occupations_s.get(visit.station);
@@ -61,10 +62,13 @@ impl StopCircumstances<'_> {
                 temperatures: self.temperatures,
                 ..Circumstances::new(&plan.machine)
             };
-            plan.effects
-                .iter()
-                .map(|effect| effect.displaced(&at))
-                .sum()
+            let effects = plan.effects.iter().zip(&mut *acts);
+            let displaced = effects.map(|(effect, acts)| {
+                let displaced = effect.displaced(&at);
+                *acts |= displaced != Displaced::default();
+                displaced
+            });
+            displaced.sum()
         });
         displaced.collect()
     }

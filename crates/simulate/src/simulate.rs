@@ -3,6 +3,7 @@
 use nalgebra::Point3;
 use trueaxis_campaign::{Campaign, KnownDeadPath, LengthReading, Lengths, Run};
 use trueaxis_campaign::{Station, Step, Stop};
+use trueaxis_effects::ResolvedEffect;
 
 use crate::circumstances::{Progress, StopCircumstances};
 use crate::noise::Deviates;
@@ -38,7 +39,7 @@ const PACE_MM: f64 = 100.0;
 /// seed gives the same campaign, and effects change neither its order, its times nor its deviates.
 ///
 /// # Errors
-/// If the scenario is inconsistent; the error names the field.
+/// If the scenario is inconsistent; the error names the field. An effect that acts on no reading is a notice of the campaign.
 pub fn simulate(scenario: &Scenario, seed: u64) -> Result<Simulated, Error> {
     let mut plan = Plan::new(scenario)?;
     plan.set_nests(seed);
@@ -47,13 +48,34 @@ pub fn simulate(scenario: &Scenario, seed: u64) -> Result<Simulated, Error> {
         systematic: Systematic::draw(&plan.systematic, seed),
         expansions: Expansions::draw(scenario, &plan.expansions, seed),
     };
-    let mut lengths = measure(scenario, &plan, &once, (&steps, visits), seed);
+    let mut acts = vec![false; plan.effects.len()];
+    let mut lengths = measure(scenario, &plan, &once, (&steps, visits), seed, &mut acts);
+    let notices = without_effect(&plan.effects, &acts);
     lengths.logged = temperature::logged(scenario, &lengths.readings, seed);
     let truth = Truth::new(scenario, &plan, &once.systematic, seed);
     Ok(Simulated {
-        campaign: campaign(scenario, plan, steps, lengths, seed),
+        campaign: Campaign {
+            notices,
+            ..campaign(scenario, plan, steps, lengths, seed)
+        },
         truth,
     })
+}
+
+/// A notice for each effect that has a size and acts on no reading.
+fn without_effect(effects: &[ResolvedEffect], acts: &[bool]) -> Vec<String> {
+    let effects = effects.iter().zip(acts).enumerate();
+    let idle = effects.filter(|(_, (effect, acts))| {
+        !**acts && effect.parameters.iter().any(|value| *value != 0.0)
+    });
+    let said = idle.map(|(number, (ResolvedEffect { effect, .. }, _))| {
+        format!(
+            "effects[{number}], `{}`, changes no length: nothing is measured when, or of what, it acts; correct its time or its \
+             subject, or leave it out",
+            effect.id
+        )
+    });
+    said.collect()
 }
 
 /// What is the same in all readings.
@@ -62,13 +84,14 @@ struct DrawnOnce<'a> {
     expansions: Expansions<'a>,
 }
 
-/// Reads every length at every visit.
+/// Reads every length at every visit; `acts` is set for the effects that do something.
 fn measure(
     scenario: &Scenario,
     plan: &Plan,
     once: &DrawnOnce<'_>,
     (steps, visits): (&[Step], Vec<Visit<'_>>),
     seed: u64,
+    acts: &mut [bool],
 ) -> Lengths {
     let mut lengths = Lengths::default();
     let progress = Progress::new(&visits);
@@ -82,7 +105,7 @@ fn measure(
             progress: &progress,
             temperatures: &temperatures,
         };
-        let measured_mm = measure_stop(scenario, once, &stop, &mut deviates);
+        let measured_mm = measure_stop(scenario, once, &stop, &mut deviates, acts);
 
         let first = lengths.readings.len();
         let readings = visit.targets.iter().zip(&visit.times_s);
@@ -112,6 +135,7 @@ fn measure_stop(
     once: &DrawnOnce<'_>,
     stop: &StopCircumstances<'_>,
     deviates: &mut Deviates,
+    acts: &mut [bool],
 ) -> Vec<f64> {
     let (plan, visit) = (stop.plan, stop.visit);
     let errors = Sweeping {
@@ -132,7 +156,7 @@ fn measure_stop(
         p + deviation_mm
     });
     let points: Vec<Point3<f64>> = points.collect();
-    let displaced = stop.displaced(station_mm, &points);
+    let displaced = stop.displaced(station_mm, &points, acts);
     let readings = visit.targets.iter().zip(&points).zip(displaced);
     let lengths = readings.map(|((&target, p), by)| {
         let beam = (p + by.point_mm) - (station_mm + by.station_mm);

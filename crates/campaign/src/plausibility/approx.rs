@@ -1,9 +1,8 @@
 //! Lengths against the rough positions of the stations.
 //!
-//! From `approx_mm` the changes of all lengths can be predicted to some mm (a station that is 100 mm
-//! off at 2 m sees the motion from an angle 3° off). Nothing is said unless the lengths are
-//! [`LEAST_MISFIT_MM`] from the prediction and fit [`BETTER`] times better in another unit, or from
-//! another station's place.
+//! From `approx_mm` the changes of all lengths can be predicted to some mm (a station that is 100 mm off at 2 m sees the motion
+//! from an angle 3° off). Nothing is said unless the lengths are [`LEAST_MISFIT_MM`] from the prediction and fit [`BETTER`] times
+//! better in another unit, or from another station's place.
 
 use std::path::Path;
 

@@ -1,9 +1,8 @@
 //! Repeats that were not measured but copied.
 //!
-//! The readings of a repeat of a run from a station are a copy if all of them, for the same steps,
-//! directions and targets, equal those of another to the last digit. A display of 1 µm does that by chance to one
-//! length in three if machine and instrument repeat to 1 µm, to more if they repeat better: not to
-//! [`LEAST_READINGS`].
+//! The readings of a repeat of a run from a station are a copy if all of them, for the same steps, directions and targets, equal
+//! those of another to the last digit. A display of 1 µm does that by chance to one length in three if machine and instrument
+//! repeat to 1 µm, to more if they repeat better: not to [`LEAST_READINGS`].
 //!
 //! Two repeats of one station: a notice, because lengths that a program made without noise look the
 //! same. Two stations: an error, because no two places see the same lengths of a motion.

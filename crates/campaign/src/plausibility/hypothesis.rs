@@ -122,8 +122,7 @@ const ANGLE_UNITS: [Unit; 1] = [Unit::new("radians", "rad", 180.0 / PI)];
 /// No tracker reaches farther than this, mm: an axis that moves more is given in another unit.
 const LONGEST_AXIS_MM: f64 = 1e5;
 
-/// Share of the travel by which converted positions may exceed it, because they were rounded in
-/// the other unit.
+/// Share of the travel by which converted positions may exceed it, because they were rounded in the other unit.
 const CONVERTED_TRAVEL_SLACK: f64 = 0.01;
 
 /// What could be wrong with lengths that fail in some runs or from some stations.

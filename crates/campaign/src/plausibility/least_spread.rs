@@ -1,7 +1,6 @@
 //! Lengths that change less than any station could see.
 //!
-//! Each station is judged by all its series (one for each target); the bound is derived in
-//! [`super::moments`].
+//! Each station is judged by all its series (one for each target); the bound is derived in [`super::moments`].
 
 use std::collections::{BTreeMap, BTreeSet};
 

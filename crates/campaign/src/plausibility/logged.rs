@@ -1,8 +1,7 @@
 //! Logged air and machine states that no hall has.
 //!
-//! A state outside the ranges below is an error in its row: a sensor that failed, a decimal point that
-//! was lost, or another unit. The ranges are wide, so that what is refused cannot be right anywhere a
-//! machine is measured.
+//! A state outside the ranges below is an error in its row: a sensor that failed, a decimal point that was lost, or another unit.
+//! The ranges are wide, so that what is refused cannot be right anywhere a machine is measured.
 
 use crate::{LoggedColumn, LoggedQuantity, Problem};
 

@@ -27,8 +27,7 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-/// In a cloud of points thinner than this (σ, mm) the sphere is undetermined and the bound of no
-/// use.
+/// In a cloud of points thinner than this (σ, mm) the sphere is undetermined and the bound of no use.
 const THINNEST_CLOUD_MM: f64 = 1.0;
 
 /// Sums over the readings of one target from one station, relative to the first of them: `x` is

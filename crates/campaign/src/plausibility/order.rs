@@ -1,10 +1,9 @@
 //! Rows that are not in measuring order, and times that are not seconds.
 //!
-//! A stop is a group of consecutive rows, and a station's occupation a group of consecutive stops. A table that
-//! was sorted by point, target or station has the rows of these groups apart, and its times jump to and
-//! fro. It is told from a clock that was set back, which is only a notice, by what sorting by time would
-//! make of it: a sorted table then has fewer stops, or as many in fewer occupations; with a clock that was
-//! reset the rows of different stations or runs would be mixed.
+//! A stop is a group of consecutive rows, and a station's occupation a group of consecutive stops. A table that was sorted by
+//! point, target or station has the rows of these groups apart, and its times jump to and fro. It is told from a clock that was
+//! set back, which is only a notice, by what sorting by time would make of it: a sorted table then has fewer stops, or as many in
+//! fewer occupations; with a clock that was reset the rows of different stations or runs would be mixed.
 
 use std::path::Path;
 

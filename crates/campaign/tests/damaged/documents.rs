@@ -74,6 +74,24 @@ fn text_that_is_not_utf_8() {
     );
 }
 
+/// What a disk lost: a line of any length that is not worth quoting.
+#[test]
+fn lines_without_a_column_are_quoted_in_part() {
+    assert_refused(
+        &three_axes(),
+        &[
+            (
+                |f| drop(f.0.insert("lengths.csv".to_owned(), "\0".repeat(100_000))),
+                "lengths.csv: the file holds NUL bytes, so it is no text table",
+            ),
+            (
+                |f| f.lines("lengths.csv", |lines| lines[0] = "1234567µ".repeat(10_000)),
+                "`1234567µ1234567µ1234567µ1234567µ1234567µ1234567µ1234567µ1234567µ1234567µ1234567µ…`; expected",
+            ),
+        ],
+    );
+}
+
 #[test]
 fn format_and_version() {
     assert_refused(

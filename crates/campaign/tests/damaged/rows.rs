@@ -286,6 +286,20 @@ fn rows_against_each_other() {
                 |f| f.replace("lengths.csv", ",X,Y,Z,", ",Y,X,Z,"),
                 "lengths.csv line 5: run `x` is of axis X, but X never moves in it, only Y",
             ),
+            // The axis, or the file, of another line.
+            (
+                |f| {
+                    f.json(
+                        "\"positioning\", \"axis\": \"X\"",
+                        "\"positioning\", \"axis\": \"Y\"",
+                    );
+                },
+                "li_x.csv line 3: verification `LI along X` is of axis Y, but Y never moves in it, only X; correct the axis",
+            ),
+            (
+                |f| f.replace("li_x.csv", "X,Y,Z", "Z,Y,X"),
+                "li_x.csv line 3: verification `LI along X` is of axis X, but X never moves in it, only Z",
+            ),
         ],
     );
 }

@@ -7,7 +7,7 @@ use clap::{Args as ClapArgs, ValueEnum};
 use trueaxis_calibrate::{Method, ReferencePoint, Settings};
 use trueaxis_identify::SixRows;
 
-use super::{ResultArgs, point};
+use super::{ResultArgs, point, seed, trials};
 
 #[derive(Debug, ClapArgs)]
 pub(crate) struct CheckArgs {
@@ -89,21 +89,21 @@ pub(crate) struct MontecarloArgs {
     #[arg(value_name = "CAMPAIGN.json")]
     pub(crate) campaign: PathBuf,
 
-    /// Number of trials; with --digits the largest number [default: 10000; with --digits 1000000, or
-    /// as many as 2 GiB hold].
-    #[arg(long, value_name = "N")]
+    /// Number of trials, 100 at least; with --digits the largest number [default: 10000; with --digits
+    /// 1000000, or as many as 2 GiB hold].
+    #[arg(long, value_name = "N", value_parser = trials, allow_negative_numbers = true)]
     pub(crate) trials: Option<usize>,
 
     /// Seed of the noise: the same seed gives the same file, on any number of threads.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     pub(crate) seed: u64,
 
     /// Stop when this many significant digits of every uncertainty have settled (JCGM 101, 7.9).
-    #[arg(long, value_name = "DIGITS", value_parser = clap::value_parser!(u32).range(1..=3))]
+    #[arg(long, value_name = "DIGITS", value_parser = clap::value_parser!(u32).range(1..=3), allow_negative_numbers = true)]
     pub(crate) digits: Option<u32>,
 
     /// Number of threads [default: all].
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) threads: Option<NonZeroUsize>,
 
     #[command(flatten)]

@@ -29,12 +29,12 @@ pub(crate) struct ImportCalibrationArgs {
 
     /// Standard uncertainty (k = 1) of each displacement in the file, µm, if it is known. Without it,
     /// nothing derived from the calibration has an uncertainty.
-    #[arg(long, value_name = "U", value_parser = positive)]
+    #[arg(long, value_name = "U", value_parser = positive, allow_negative_numbers = true)]
     u_um: Option<f64>,
 
     /// The same for each angle, ″ [default: the angle that displaces by --u-um at half the diagonal of the
     /// travels of the linear axes].
-    #[arg(long, value_name = "U", value_parser = positive, requires = "u_um")]
+    #[arg(long, value_name = "U", value_parser = positive, allow_negative_numbers = true, requires = "u_um")]
     u_arcsec: Option<f64>,
 
     /// Folder for calibration.json, and covariance.npz [default: one in the current directory, named

@@ -5,7 +5,7 @@ use trueaxis_kinematics::MICROMETRE;
 use trueaxis_poses::{NoiseReport, PartReport, ScaleBasis};
 use trueaxis_predict::coverage_factor;
 
-use crate::summary::{COVERAGE, MOST_LISTED, probability};
+use crate::summary::{COVERAGE, MOST_LISTED, named, probability};
 
 /// How the measurement was adjusted, and with which noise.
 pub(crate) fn adjustment(calibration: &Calibration) -> Vec<String> {
@@ -18,7 +18,10 @@ pub(crate) fn adjustment(calibration: &Calibration) -> Vec<String> {
     let mut lines = vec![
         format!(
             "{}: {} {what}, {} unknowns, redundancy {}",
-            calibration.campaign, a.observations, a.unknowns, a.degrees_of_freedom
+            named(&calibration.campaign),
+            a.observations,
+            a.unknowns,
+            a.degrees_of_freedom
         ),
         format!(
             "{}rms residual {:.2} µm; {}",

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::program::{Outcome, contents, file_names, run, run_with_environment, shipped};
+use crate::program::{Outcome, contents, file_names, run, run_line, run_with_environment, shipped};
 
 const USAGE: i32 = 2;
 const MISFIT: i32 = 6;
@@ -204,6 +204,27 @@ fn reference_points() {
         for (found, expected) in at(options).iter().zip(expected_mm) {
             assert!((found - expected).abs() < 1e-9, "{options:?}: {found}");
         }
+    }
+}
+
+/// Points to a tenth of a micrometre; a campaign without a name is said to have none.
+#[test]
+fn what_is_said_can_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    for file in ["campaign.json", "lengths.csv"] {
+        let text = fs::read_to_string(shipped("fxyz").join(file)).unwrap();
+        let text = text.replace("\"name\": \"FXYZ machine\"", "\"name\": \"\"");
+        fs::write(folder.path().join(file), text).unwrap();
+    }
+    let line = "calibrate campaign.json --out out --no-report --reference-point centroid";
+    let outcome = run_line(folder.path(), line);
+    outcome.assert_good();
+    let says = [
+        "(140.783, 462.7881, 286.5811) mm",
+        "campaign without a name: 2340 lengths",
+    ];
+    for says in says {
+        assert!(outcome.stderr.contains(says), "{says}: {}", outcome.stderr);
     }
 }
 

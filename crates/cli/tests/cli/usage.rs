@@ -104,6 +104,27 @@ fn wrong_command_lines() {
             vec!["simulate", "scenario.json", "--seed", "one"],
             "invalid value 'one'",
         ),
+        // Of numbers below zero, too, the range is said.
+        (
+            vec!["simulate", "scenario.json", "--seed", "-1"],
+            "expected a whole number from 0",
+        ),
+        (
+            vec!["volume", "calibration.json", "--draws", "-1"],
+            "expected 0, or 100 to 65535",
+        ),
+        (
+            vec!["volume", "calibration.json", "--draws", "99"],
+            "expected 0, or 100 to 65535",
+        ),
+        (
+            vec!["volume", "calibration.json", "--points", "-3"],
+            "-3 is not in 2..=128",
+        ),
+        (
+            vec!["export", "grid", "calibration.json", "--step", "-5"],
+            "expected a number above zero",
+        ),
     ] {
         let outcome = run(folder.path(), &args);
         outcome.assert_usage(&args.join(" "), says);

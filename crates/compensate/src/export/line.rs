@@ -121,6 +121,16 @@ impl Line {
         request.in_file(self.axis, -sum / self.positions.len() as f64)
     }
 
+    /// The same, if it is not less than its U (k = 2), as far as that is known.
+    pub(crate) fn known_lost_motion(&self, request: &Request<'_>) -> Option<f64> {
+        let lost = self.lost_motion(request);
+        let u = request
+            .machine
+            .u_of_lost_motion(self.axis, &self.positions, request.at);
+        let is_less = lost.abs() < request.in_file(self.axis, 2.0 * u);
+        (!is_less).then_some(lost)
+    }
+
     /// The distance of the positions, which must be one.
     pub(crate) fn spacing(&self, request: &Request<'_>) -> Result<f64, Error> {
         spacing(request, self.axis, &self.positions)

@@ -27,16 +27,17 @@ impl Sides {
         match self {
             Self::Elsewhere => None,
             Self::Columns => axes.iter().all(|axis| !apart(&axis)).then(|| {
-                "the calibration joins both sides of approach, so both columns are alike and lost motion stays as it is; where both \
-                 sides were measured, calibrate --by-direction"
+                "the calibration has one curve of an axis, not one for each side of approach: the tables correct both directions \
+                 alike, and lost motion stays as it is; where both sides were measured, calibrate --by-direction"
                     .to_owned()
             }),
             Self::Mean => {
                 let lines = axes.iter().filter(apart);
                 let lines = lines.filter_map(|&axis| Line::new(request, axis).ok());
-                let lost = lines.map(|line| {
+                let lost = lines.filter_map(|line| {
                     let (name, unit) = (request.name(line.axis), request.unit(line.axis));
-                    format!("{name} {} {unit}", round(line.lost_motion(request), DECIMALS))
+                    let lost = line.known_lost_motion(request)?;
+                    Some(format!("{name} {} {unit}", round(lost, DECIMALS)))
                 });
                 let lost: Vec<String> = lost.collect();
                 (!lost.is_empty()).then(|| {

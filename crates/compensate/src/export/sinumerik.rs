@@ -192,8 +192,10 @@ fn text(name: &str, request: &Request<'_>, tables: &[Placed<'_>]) -> String {
 fn lost_motion(request: &Request<'_>, line: &Line) -> Option<String> {
     let own = request.machine.keeps_sides_apart(line.axis);
     own.then(|| {
-        let backlash = round(line.lost_motion(request), DECIMALS);
         let (name, unit) = (request.name(line.axis), request.unit(line.axis));
-        format!("{name}: $MA_BACKLASH = {backlash} {unit}")
+        match line.known_lost_motion(request) {
+            Some(lost) => format!("{name}: $MA_BACKLASH = {} {unit}", round(lost, DECIMALS)),
+            None => format!("{name}: lost motion is less than its U: leave $MA_BACKLASH as it is"),
+        }
     })
 }

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use trueaxis_campaign::VerificationKind;
 use trueaxis_files::{round, without_nulls};
-use trueaxis_kinematics::{ARCSEC, Machine};
+use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, Machine};
 use trueaxis_predict::{CalibratedMachine, position_in_file};
 
 use crate::verify::iso_230_2::{Positioning, Side};
@@ -28,6 +28,7 @@ pub fn verification_json(
         "format": "trueaxis-verification",
         "version": 1,
         "machine": machine.name,
+        "rotary_axes": nominal.axes().iter().filter(|axis| axis.kind() == AxisKind::Rotary).map(Axis::name).collect::<Value>(),
         "calibration": machine.campaign,
         "campaign": campaign,
         "effects_taken_out": machine.names_taken_out(),

@@ -241,7 +241,20 @@ fn lost_motion_has_columns_of_its_own() {
     assert!((alone - both - 0.01).abs() < 1e-6, "{alone} {both}");
     // The other control has a parameter for it.
     let notes = export_notes(&machine, Format::Sinumerik);
-    assert!(notes.contains("$MA_BACKLASH"), "{notes}");
+    for (axis, errors) in &scenario.errors {
+        let is_given = errors
+            .lost_motion_um
+            .or(errors.lost_motion_arcsec)
+            .is_some();
+        assert_eq!(
+            notes.contains(&format!("{axis}: $MA_BACKLASH")),
+            is_given,
+            "{notes}"
+        );
+    }
+    assert!(notes.contains("lost motion is less than its U"), "{notes}");
+    let u = machine.u_of_lost_motion(1, &machine.steps(1), tool()) / MICROMETRE;
+    assert!((0.1..0.5).contains(&u), "{u}");
 }
 
 fn export_notes(machine: &CalibratedMachine, format: Format) -> String {

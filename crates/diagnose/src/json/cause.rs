@@ -120,7 +120,11 @@ impl JsonSchema for ChangeFile<'_> {
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         json_schema!({
             "type": "object",
-            "properties": { "max_um": { "type": "number" }, "max_arcsec": { "type": "number" } },
+            "properties": {
+                "max_um": { "type": "number" },
+                "max_mm": { "type": "number" },
+                "max_arcsec": { "type": "number" },
+            },
             "minProperties": 1,
             "maxProperties": 1,
             "additionalProperties": false

@@ -79,6 +79,23 @@ fn numbers_have_their_uncertainty_and_unit() {
     let at = |text: &str| largest.find(text);
     assert!(at("34 µm").is_some() && at("C0Y") < at("EZX"), "{largest}");
     assert!(at("X0C").is_none());
+    let says = [
+        "on half the diagonal of the travels",
+        "relative to the nests (*) are not among these",
+    ];
+    has(&page, &says);
+    // A table alone has no travel: its lever is the farthest target.
+    let mut table = calibration();
+    let is_rotary = |axis: &Value| axis["kind"] == "rotary";
+    table["machine"]["axes"]
+        .as_array_mut()
+        .unwrap()
+        .retain(is_rotary);
+    table["axes"] = json!([]);
+    table["targets"][0]["position_mm"] = json!([300, 0, 400]);
+    let page = self::page(folder.path(), &[("calibration.json", &table)]);
+    // 23.417″ at 500 mm.
+    has(&page, &["at the distance of the farthest target", "57 µm"]);
 }
 
 #[test]
@@ -279,6 +296,19 @@ fn readings_stand_beside_their_prediction() {
         &page(folder.path(), &files),
         &["verification.json is of another calibration"],
     );
+}
+
+/// Without a calibration in the folder the file itself says which axes turn.
+#[test]
+fn positions_have_their_unit() {
+    let point = |c: f64| json!({ "at": { "X": 0, "C": c }, "direction": 1, "reading_um": 1.0, "predicted_um": 2.0, "compensated_um": 0.0 });
+    let verification = json!({
+        "format": "trueaxis-verification", "version": 1, "rotary_axes": ["C"],
+        "verification": [ { "name": "DBB", "kind": "ballbar", "points": [point(0.0), point(90.0)] } ] });
+    let folder = tempfile::tempdir().unwrap();
+    let alone = page(folder.path(), &[("verification.json", &verification)]);
+    has(&alone, &["C in °", "C = 90°"]);
+    assert!(!alone.contains("C in mm"));
 }
 
 /// Points have coordinates where lengths have stations, and the rms says whether they are of this calibration.

@@ -56,6 +56,32 @@ fn without_effects_the_shipped_files_are_written() {
     }
 }
 
+/// Beyond the end of the campaign, or of the occupation of its station.
+#[test]
+fn effects_that_never_act_are_said() {
+    let jump = |time_s: f64| {
+        json!({ "effect": "station_jump", "subject": { "station": "S1" }, "parameters": [
+            { "name": "jump_x", "value": 5.0, "unit": "um" }, { "name": "jump_y", "value": 0.0, "unit": "um" },
+            { "name": "jump_z", "value": 0.0, "unit": "um" }, { "name": "time", "value": time_s, "unit": "s" } ] })
+    };
+    let readings = simulated(&shipped::json("fxyz"))
+        .campaign
+        .lengths
+        .unwrap()
+        .readings;
+    let last_s = readings.last().unwrap().time_s;
+    let effects = json!([
+        shift(1e9),
+        shift(0.5 * last_s),
+        jump(0.1 * last_s),
+        jump(0.5 * last_s)
+    ]);
+    let found = simulated(&with_effects("fxyz", effects)).campaign;
+    assert_eq!(found.notices.len(), 2, "{:?}", found.notices);
+    assert!(found.notices[0].starts_with("effects[0], `machine_shift`, changes no length"));
+    assert!(found.notices[1].starts_with("effects[3], `station_jump`, changes no length"));
+}
+
 /// The stations, targets and axes of the shipped five-axis machine, all of which move.
 fn five_axis_scene() -> Scene {
     let campaign = simulated(&shipped::json("five-axis")).campaign;
