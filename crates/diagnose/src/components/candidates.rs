@@ -141,12 +141,9 @@ pub(crate) fn spacing(set: &CurveSet, period: f64) -> f64 {
 /// Whole numbers from `fewest` while a wave has two steps, as far apart as the travel tells them.
 fn waves(set: &CurveSet, fewest: u32) -> Vec<f64> {
     let most = most_waves(set);
-    let apart = waves_apart(set).map_or(1, |apart| apart as usize);
-    (fewest..)
-        .step_by(apart)
-        .map(f64::from)
-        .take_while(|&waves| waves <= most)
-        .collect()
+    let apart = waves_apart(set).unwrap_or(1.0);
+    let whole = std::iter::successors(Some(f64::from(fewest)), |waves| Some(waves + apart));
+    whole.take_while(|&waves| waves <= most).collect()
 }
 
 /// Waves a turn of two steps each.

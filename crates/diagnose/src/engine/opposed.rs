@@ -24,7 +24,7 @@ mod tests {
     /// Of two that are alike: 700 against 690 leave 10; of 7 against 3 the larger one is left.
     #[test]
     fn two_that_cancel_are_opposed() {
-        let at = |i: usize| if i % 2 == 0 { 1.0 } else { -1.0 };
+        let at = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
         let one = |size: f64| (0..40).map(|i| size * at(i)).collect::<Vec<f64>>();
         let other = |size: f64| {
             let uneven = (0..40).map(|i| 1.0 + if i < 8 { 0.01 } else { 0.0 });

@@ -55,7 +55,7 @@ pub(crate) fn families(
         .chain(of_direction)
         .collect();
     // From one side only it would be time under another name.
-    let is_of_both = direction.iter().any(|d| *d != direction[0]);
+    let is_of_both = direction.windows(2).any(|two| two[0] * two[1] < 0.0);
     let waves = if is_of_both { WAVES } else { 0 };
     let of_direction_in_time = (1..=waves).map(|k| {
         let wave = over(&|t| (PI * k as f64 * t).cos());
