@@ -40,6 +40,7 @@ mod omnibus;
 mod places;
 mod readings;
 mod report;
+mod screened;
 mod variances;
 
 pub(crate) use report::diagnose_points;

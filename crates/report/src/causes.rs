@@ -6,7 +6,7 @@ use trueaxis_files::told_unit;
 use crate::diagnosis::{Cause, CurvePoint, Diagnosis, Fitted, Level, MisfitAt, Parameter};
 use crate::disturbances::DisturbanceView;
 use crate::fitted_figure::fitted_figures;
-use crate::numbers::{decimals, fixed, rough, signed};
+use crate::numbers::{COVERAGE, decimals, fixed, rough, signed};
 use crate::page::Figure;
 use crate::svg::Drawing;
 use crate::svg::plot::{COLOURS, Frame, Plot};
@@ -276,8 +276,8 @@ fn along_it(curve: Option<&[CurvePoint]>) -> String {
     }
     all.sort_by(|a, b| a[1].total_cmp(&b[1]));
     let told = |[at, value, u]: &[f64; 3]| {
-        let digits = decimals(2.0 * u).min(3);
-        let (value, u) = (signed(*value, digits), fixed(2.0 * u, digits));
+        let digits = decimals(COVERAGE * u).min(3);
+        let (value, u) = (signed(*value, digits), fixed(COVERAGE * u, digits));
         format!("{value} ± {u}\u{a0}µm at {}\u{a0}mm", fixed(*at, 1))
     };
     match (all.first(), all.last()) {
@@ -299,7 +299,7 @@ fn parameters(cause: &Cause) -> String {
         };
         if parameter.name == "waves" {
             let u = parameter.u.filter(|u| *u > 0.0);
-            let u = u.map_or(String::new(), |u| format!(" ± {:.0}", 2.0 * u));
+            let u = u.map_or(String::new(), |u| format!(" ± {:.0}", COVERAGE * u));
             return format!("{:.0}{u} waves per turn", parameter.value);
         }
         let name = parameter.name.replace('_', " ");
@@ -316,11 +316,11 @@ fn parameters(cause: &Cause) -> String {
         };
         match u.filter(|u| *u > 0.0) {
             Some(u) => {
-                let digits = decimals(2.0 * u).min(3);
+                let digits = decimals(COVERAGE * u).min(3);
                 format!(
                     "{name} {} ± {}{unit}",
                     with_sign(value, digits),
-                    fixed(2.0 * u, digits)
+                    fixed(COVERAGE * u, digits)
                 )
             }
             // The shortest that the steps show.

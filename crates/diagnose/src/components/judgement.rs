@@ -11,6 +11,8 @@
 //! the restricted likelihood with the effect in the model. If the rest were white and unknown, this would
 //! be Student's test.
 
+use std::ops::Range;
+
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -174,21 +176,22 @@ impl Tail {
     }
 }
 
-/// The columns of all shapes side by side, each with the number of its own.
+/// The columns of all shapes side by side, each shape with the numbers of its own.
 struct Columns {
-    shapes: Vec<(f64, usize)>,
+    shapes: Vec<(f64, Range<usize>)>,
     all: DMatrix<f64>,
 }
 
 impl Columns {
     fn of(set: &CurveSet, candidate: &Candidate) -> Self {
-        let (mut shapes, mut all) = (Vec::new(), Vec::new());
+        let (mut shapes, mut all, mut count) = (Vec::new(), Vec::new(), 0);
         for &shape in &candidate.shapes {
             let columns = set.columns(candidate, shape);
-            shapes.push((shape, columns.len()));
+            let first = count;
+            count += columns.len();
+            shapes.push((shape, first..count));
             all.extend(columns.into_iter().flatten());
         }
-        let count = shapes.iter().map(|(_, count)| count).sum();
         Self {
             shapes,
             all: DMatrix::from_vec(set.values.len(), count, all),
@@ -204,11 +207,9 @@ impl Columns {
 
     /// Those of a shape.
     fn of_shape(&self, shape: f64) -> impl Iterator<Item = &[f64]> {
-        let before = self.shapes.iter().take_while(|(own, _)| !same(*own, shape));
-        let first: usize = before.map(|(_, count)| count).sum();
         let own = self.shapes.iter().find(|(own, _)| same(*own, shape));
+        let own = own.map_or(0..0, |(_, own)| own.clone());
         let rows = self.all.nrows();
-        let own = first..first + own.map_or(0, |(_, count)| *count);
         own.map(move |k| &self.all.as_slice()[k * rows..(k + 1) * rows])
     }
 }

@@ -3,11 +3,9 @@
 use trueaxis_campaign::VerificationReading;
 
 use crate::verification::arrivals::is_same;
+use crate::verification::given_once::LEAST_REPEATED;
 
-/// Rows in a row from which on it may be no chance.
-const LEAST_COPIED: usize = 6;
-
-/// Runs as long that chance makes on average, in the whole table: with coarse readings many pairs are equal.
+/// Expected number of runs of equal rows as long as this one, below which it is no chance: of coarse readings many pairs are equal.
 const BY_CHANCE: f64 = 1e-4;
 
 /// Rows above which it is not looked for: every row is compared with every other.
@@ -21,7 +19,7 @@ struct Run {
     apart: usize,
 }
 
-/// Says which rows repeat which others, if so many do not by chance.
+/// Names the longest run of rows that repeats an earlier one, if chance does not explain it.
 pub(crate) fn copied(readings: &[VerificationReading]) -> Option<String> {
     if readings.len() > MOST_ROWS {
         return None;
@@ -49,7 +47,7 @@ pub(crate) fn copied(readings: &[VerificationReading]) -> Option<String> {
     let Run { first, rows, apart } = longest;
     let chance = (equal + 1 - rows) as f64 / (comparable + 1) as f64;
     let expected = comparable as f64 * chance.powf(rows as f64);
-    if rows < LEAST_COPIED || expected > BY_CHANCE {
+    if rows < LEAST_REPEATED || expected > BY_CHANCE {
         return None;
     }
     let line = |row: usize| readings[row].line;

@@ -8,7 +8,7 @@ use trueaxis_campaign::{Verification, VerificationReading};
 use crate::verification::arrivals::{are_timed, is_same};
 
 /// Readings in a row from which on two tables, or two parts of one, are the same; a few may be so by chance.
-const LEAST_REPEATED: usize = 6;
+pub(super) const LEAST_REPEATED: usize = 6;
 
 /// The verifications without those that repeat an earlier one reading by reading.
 pub(crate) fn given_once<'v>(

@@ -62,9 +62,9 @@ pub(crate) fn search_beside(
         // A single cause was judged when it joined.
         if causes.len() > 1 {
             drop_superfluous(listed, &mut causes, least);
-        }
-        if opposed(listed, &causes) {
-            return before;
+            if opposed(listed, &causes) {
+                return before;
+            }
         }
     }
     causes

@@ -1,0 +1,117 @@
+//! Points without gross errors, beside causes whose instants may lie on either side of one.
+
+use nalgebra::Vector3;
+use trueaxis_campaign::{Campaign, Points};
+use trueaxis_effects::{ResolvedEffect, Scene, Shape};
+
+use crate::engine::Suspect;
+use crate::points::base::Base;
+use crate::points::gross_errors::{Gross, are_accidents, stand_out};
+use crate::points::model::Model;
+
+/// The points without gross errors.
+pub(super) struct Screened<'a> {
+    pub(super) base: Base<'a>,
+    pub(super) gross: Vec<Gross>,
+    /// Whether there are too many, or several in a row: then none is left out.
+    pub(super) are_many: bool,
+}
+
+impl<'a> Screened<'a> {
+    /// Beside causes.
+    pub(super) fn beside(
+        campaign: &'a Campaign,
+        points: &Points,
+        scene: &'a Scene,
+        causes: &[Suspect],
+    ) -> Self {
+        let mut gross: Vec<Gross> = Vec::new();
+        loop {
+            let mut removed: Vec<usize> = gross.iter().map(|g| g.number).collect();
+            removed.sort_unstable();
+            let base = Base::new(campaign, scene, points, &removed);
+            let model = Model::estimated(&base, &base.columns_of(causes));
+            let next = stand_out(&base, &model);
+            let are_many = !are_accidents(&[&gross[..], &next[..]].concat(), &base, points);
+            if are_many {
+                gross.clear();
+            }
+            if next.is_empty() || are_many {
+                gross.sort_by_key(|g| g.number);
+                return Self {
+                    base: match are_many {
+                        true => Base::new(campaign, scene, points, &[]),
+                        false => base,
+                    },
+                    gross,
+                    are_many,
+                };
+            }
+            gross.extend(next);
+        }
+    }
+
+    /// Beside causes as they are, or with an instant on the other side of a point that is left out next to it: an instant that was
+    /// found without that point is uncertain just there.
+    pub(super) fn beside_any(
+        campaign: &'a Campaign,
+        points: &Points,
+        scene: &'a Scene,
+        mut causes: Vec<Suspect>,
+    ) -> Self {
+        let mut best = Self::beside(campaign, points, scene, &causes);
+        if best.gross.is_empty() {
+            return best;
+        }
+        let all = Base::new(campaign, scene, points, &[]);
+        for number in best.numbers() {
+            for k in 0..causes.len() {
+                let left_out = best.numbers();
+                let Some(shape) = beyond(&all, &causes[k], number, &left_out) else {
+                    continue;
+                };
+                let mut moved = causes.clone();
+                moved[k].shape = shape;
+                let other = Self::beside(campaign, points, scene, &moved);
+                if !other.are_many && other.gross.len() < best.gross.len() {
+                    (best, causes) = (other, moved);
+                }
+            }
+        }
+        best
+    }
+
+    pub(super) fn numbers(&self) -> Vec<usize> {
+        self.gross.iter().map(|g| g.number).collect()
+    }
+}
+
+/// The instant of a cause on the other side of a point that is left out, s, if of the points that show the effect none that is kept is
+/// between the two.
+fn beyond(all: &Base<'_>, cause: &Suspect, number: usize, left_out: &[usize]) -> Option<f64> {
+    let from_the_beginning = [ResolvedEffect {
+        shape: f64::NEG_INFINITY,
+        ..cause.resolved()
+    }];
+    let shows = |i: usize| all.effect_mm(i, &from_the_beginning) != Vector3::zeros();
+    let readings = &all.readings.all;
+    let own = readings.iter().position(|r| r.number == number)?;
+    let is_instant = cause.hypothesis.effect.shape == Shape::Instant;
+    if !is_instant || !left_out.contains(&number) || !shows(own) {
+        return None;
+    }
+    let (time_s, instant_s) = (readings[own].time_s, cause.shape);
+    let is_between = |s: f64| match instant_s < time_s {
+        true => instant_s < s && s < time_s,
+        false => time_s < s && s <= instant_s,
+    };
+    let mut kept = readings.iter().enumerate();
+    let is_parted =
+        kept.any(|(i, r)| is_between(r.time_s) && !left_out.contains(&r.number) && shows(i));
+    // At its very time a point is before it.
+    let beyond_s = match instant_s < time_s {
+        true => time_s,
+        false => time_s.next_down(),
+    };
+    (!is_parted).then_some(beyond_s)
+}
