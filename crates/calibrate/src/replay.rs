@@ -1,5 +1,4 @@
-//! The same campaign with other errors of its measurement, as often as asked: Monte Carlo, and the
-//! effect of single errors.
+//! The same campaign with other errors of its measurement, as often as asked: Monte Carlo, and the effect of single errors.
 //!
 //! The poses of a trial come from [`PoseTrials`], the component and location errors from Newton's method with
 //! exact deviations, repeated until the reference frame has settled.
@@ -27,8 +26,7 @@ use crate::settings::Settings;
 
 /// A calibrated campaign that can be calibrated again with other errors of its measurement.
 ///
-/// As a [`Model`] it draws the noise and gives the results, in the order and units of
-/// [`Replay::results`].
+/// As a [`Model`] it draws the noise and gives the results, in the order and units of [`Replay::results`].
 pub struct Replay<'a> {
     campaign: &'a Campaign,
     machine: Machine,
@@ -143,9 +141,8 @@ pub struct Responses<'a> {
 }
 
 impl Responses<'_> {
-    /// The change of each result by errors of the used lengths in measuring order (mm), or of the points (x y z
-    /// of each); in the unit of the result ([`trueaxis_predict::Output::unit`]). Not a number if they do not settle: errors
-    /// so large belong to another machine.
+    /// The change of each result by errors of the used lengths in measuring order (mm), or of the points (x y z of each); in the unit of
+    /// the result ([`trueaxis_predict::Output::unit`]). Not a number if they do not settle: errors so large belong to another machine.
     ///
     /// # Panics
     /// If there is not one error for each used length.

@@ -17,7 +17,11 @@ pub(crate) fn run(args: &CheckArgs) -> anyhow::Result<Exit> {
     let campaign = read(&args.campaign)?;
     describe(&campaign);
     notice_all(&campaign.notices);
-    say(&format!("{}: good", args.campaign.display()));
+    let verdict = match campaign.notices.len() {
+        0 => "good".to_owned(),
+        count => format!("can be read; see the {} above", counted(count, "notice")),
+    };
+    say(&format!("{}: {verdict}", args.campaign.display()));
     if args.json {
         output::print(&json::text(&campaign))?;
     }

@@ -1,10 +1,9 @@
 //! The errors of axes, targets, stations and frame as functions of the sources.
 //!
-//! The sources of an axis ([`crate::propagate::sources`]) are found from its points in the frame of its base,
-//! as if that were known. In turn, from the bed outwards, each axis is freed of the errors of the
-//! axes outside it where they stood during its runs; the axes inside it stand still and shift only
-//! the targets. The results are relative to the reference frame, which itself moves with the errors
-//! of its lines and anchors.
+//! The sources of an axis ([`crate::propagate::sources`]) are found from its points in the frame of its base, as if that were known. In
+//! turn, from the bed outwards, each axis is freed of the errors of the axes outside it where they stood during its runs; the axes inside
+//! it stand still and shift only the targets. The results are relative to the reference frame, which itself moves with the errors of its
+//! lines and anchors.
 
 use nalgebra::{DMatrix, Isometry3, Matrix3, Matrix3xX, Point3, RowDVector, Vector3};
 use trueaxis_kinematics::{AxisKind, GeometricErrors, Twist};
@@ -29,9 +28,8 @@ pub(crate) struct FrameMap<'a, 's> {
     axial: DMatrix<f64>,
 }
 
-/// The place of an axis along itself depends on those of the axes it shares targets with, and the
-/// targets of axes inside it depend on that: exactly as the nominal directions say but for the errors of the axes, so the
-/// second sweep confirms the first.
+/// The place of an axis along itself depends on those of the axes it shares targets with, and the targets of axes inside it depend on
+/// that: exactly as the nominal directions say but for the errors of the axes, so the second sweep confirms the first.
 const AXIAL_SWEEPS: usize = 3;
 
 impl<'a, 's> FrameMap<'a, 's> {
@@ -130,8 +128,7 @@ impl<'a, 's> FrameMap<'a, 's> {
         axis_twist(axis, position, &location, &error).through(&self.axis_errors(k, position))
     }
 
-    /// The error motion of some axes in the reference frame, given in the order of a chain; `base` is
-    /// the motion of what is outside them.
+    /// The error motion of some axes in the reference frame, given in the order of a chain; `base` is the motion of what is outside them.
     fn twist_of_chain(&self, base: Isometry3<f64>, chain: &[usize], positions: &[f64]) -> Twist {
         let errors = self.errors();
         let mut sum = Twist::zero(self.sources.count);
@@ -162,9 +159,8 @@ impl<'a, 's> FrameMap<'a, 's> {
         self.base(k, 0).rotation.to_rotation_matrix().into_inner()
     }
 
-    /// Errors of the targets' home positions relative to their nests, in the reference frame before that is
-    /// settled, and where the targets are. Deformations of the shape are left out: they are none of the motions from
-    /// which the frame follows.
+    /// Errors of the targets' home positions relative to their nests, in the reference frame before that is settled, and where the targets
+    /// are. Deformations of the shape are left out: they are none of the motions from which the frame follows.
     fn targets(&self, k: usize, r: usize) -> Vec<(Matrix3xX<f64>, Point3<f64>)> {
         let (run, errors) = (&self.context.data[k].runs[r], self.errors());
         let base = self.base(k, r);

@@ -1,8 +1,7 @@
 //! Which error of a length would be noticed, and what one that is not does to the results.
 //!
-//! Internal reliability is the minimal detectable error of each length
-//! (of `trueaxis-screening`); external reliability is what an error of that size,
-//! unnoticed, does to each result. It goes through the whole calibration ([`Replay::responses`]).
+//! Internal reliability is the minimal detectable error of each length (of `trueaxis-screening`); external reliability is what an error of
+//! that size, unnoticed, does to each result. It goes through the whole calibration ([`Replay::responses`]).
 
 use nalgebra::DMatrix;
 use trueaxis_montecarlo::Model;
@@ -28,11 +27,9 @@ pub struct LengthReliability {
     pub reading: usize,
     /// Redundancy number.
     pub redundancy: f64,
-    /// Smallest error that is found with a probability of 80 %, mm; infinite where nothing checks the
-    /// length.
+    /// Smallest error that is found with a probability of 80 %, mm; infinite where nothing checks the length.
     pub minimal_detectable_mm: f64,
-    /// The result on which that error acts most, measured in its standard uncertainty, and how many
-    /// of these.
+    /// The result on which that error acts most, measured in its standard uncertainty, and how many of these.
     pub worst: (usize, f64),
 }
 

@@ -14,6 +14,9 @@ const APPROXIMATE_MM: f64 = 500.0;
 const ABSURD_MM: f64 = 1.0;
 const ABSURD_RAD: f64 = 5e-3;
 
+/// Nor is a laser in corrected air off by so much.
+const ABSURD_SCALE: f64 = 50e-6;
+
 /// What there is to say of a calibration beyond the notices of its poses.
 pub(crate) fn notices(
     campaign: &Campaign,
@@ -31,6 +34,7 @@ pub(crate) fn notices(
     notices.extend(targets_elsewhere(campaign, &calibration.targets));
     notices.extend(axes.iter().flat_map(absurd_errors));
     notices.extend(stations_elsewhere(campaign, &calibration.stations));
+    notices.extend(absurd_scale(calibration));
     if mirror_image_open {
         notices.push(
             "all points lie in one plane, and the lengths fit as well with all stations on its other side: \
@@ -140,12 +144,25 @@ pub(crate) fn absurd_errors(axis: &AxisResult) -> Vec<String> {
     let tilt_rad = axis.location.tilt_rad.norm();
     if tilt_rad > ABSURD_RAD {
         found.push(format!(
-            "axis {} is {:.2}° off its nominal direction: check `direction` in the campaign",
+            "axis {} is {:.2}° off its nominal direction: check `direction` in the campaign, and whether coordinates are right-handed, \
+             with x, y and z in their places",
             axis.name,
             tilt_rad.to_degrees()
         ));
     }
     found
+}
+
+/// A scale by known lengths that is more likely a mistake in one of them.
+fn absurd_scale(calibration: &Calibration) -> Option<String> {
+    let scale = calibration
+        .scale
+        .filter(|scale| scale.value.abs() > ABSURD_SCALE)?;
+    let side = if scale.value > 0.0 { "long" } else { "short" };
+    Some(format!(
+        "lengths are shown too {side} by {:.0} ppm against known lengths, and all results were scaled by that: check `length_mm` of the          known lengths, and whether the lengths are corrected for the air",
+        1e6 * scale.value.abs()
+    ))
 }
 
 /// Stations that are not where the campaign says they are, roughly.

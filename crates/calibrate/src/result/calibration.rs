@@ -16,8 +16,7 @@ use trueaxis_predict::{FactoredCovariance, OutputCovariance};
 
 /// All geometric errors of a machine in its reference frame, with standard uncertainties (k = 1).
 ///
-/// Lengths are mm, angles rad. `calibration.json` has them in µm, arcsec and degrees
-/// ([`Calibration::to_json`]).
+/// Lengths are mm, angles rad. `calibration.json` has them in µm, arcsec and degrees ([`Calibration::to_json`]).
 #[derive(Debug, Clone)]
 pub struct Calibration {
     /// Name of the campaign.
@@ -32,8 +31,7 @@ pub struct Calibration {
     pub adjustment: AdjustmentReport,
     /// Stations of the tracker; empty for a points campaign.
     pub stations: Vec<StationResult>,
-    /// Constants of the reflectors; empty for a points campaign, and where there is one reflector only and no dead
-    /// path is known.
+    /// Constants of the reflectors; empty for a points campaign, and where there is one reflector only and no dead path is known.
     pub reflectors: Vec<ReflectorConstant>,
     /// Whether they are relative to their mean: no dead path is known, which would tell that.
     pub reflectors_are_relative: bool,
@@ -78,8 +76,7 @@ pub struct Traceability {
     pub instrument: String,
     /// Its serial number, if the campaign gives it.
     pub serial: Option<String>,
-    /// The files of the campaign with their checksums ([`trueaxis_campaign::checksums`]); empty if whoever calibrated
-    /// it had no files.
+    /// The files of the campaign with their checksums ([`trueaxis_campaign::checksums`]); empty if whoever calibrated it had no files.
     pub inputs: Vec<InputFile>,
 }
 
@@ -139,12 +136,10 @@ pub struct AxisResult {
     pub location: LocationError,
     /// Location errors that the reference frame leaves, with uncertainty.
     pub location_errors: Vec<LocationResult>,
-    /// Mean over the steps of the standard deviation of each component for independent unit noise
-    /// of the points, by the equations used and by all nine without weights: mm and rad per mm. `None` for the
-    /// joint adjustment, which has no points.
+    /// Mean over the steps of the standard deviation of each component for independent unit noise of the points, by the equations used and
+    /// by all nine without weights: mm and rad per mm. `None` for the joint adjustment, which has no points.
     pub noise_gain: Option<[[f64; 6]; 2]>,
-    /// What other methods would lose on the same lengths; `None` where the joint adjustment was not used or the
-    /// others cannot be.
+    /// What other methods would lose on the same lengths; `None` where the joint adjustment was not used or the others cannot be.
     pub u_ratio: Option<MethodLoss>,
     /// How the two sides of approach differ, where they share a curve and differ significantly.
     pub sides: Option<SideDifference>,
@@ -167,8 +162,7 @@ pub struct RunMisfit {
     pub degrees_of_freedom: usize,
     /// Probability of such a sum if the runs agree.
     pub p_value: f64,
-    /// The component error, and the position (mm or rad) where the runs differ most by their noise; and by how
-    /// much, mm or rad.
+    /// The component error, and the position (mm or rad) where the runs differ most by their noise; and by how much, mm or rad.
     pub component: Component,
     /// See [`RunMisfit::component`].
     pub position: f64,
@@ -189,8 +183,7 @@ pub(crate) fn widening_of_components(axis: &AxisResult) -> f64 {
     axis.runs.as_ref().map_or(1.0, RunMisfit::birge_ratio)
 }
 
-/// Standard uncertainty of each component error by other methods, relative to that of the joint adjustment
-/// (rms over the positions).
+/// Standard uncertainty of each component error by other methods, relative to that of the joint adjustment (rms over the positions).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MethodLoss {
     /// Points first, then nine equations.

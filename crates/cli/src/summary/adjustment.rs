@@ -112,8 +112,9 @@ fn scale(calibration: &Calibration) -> Option<String> {
     Some(match scale.basis {
         ScaleBasis::Declared => format!("scale of the lengths: as shown, ± {u:.2} ppm as declared"),
         ScaleBasis::KnownLengths | ScaleBasis::Both => format!(
-            "scale of the lengths: shown too long by {value:+.2} ± {u:.2} ppm, by known lengths; the results are \
-             free of it"
+            "scale of the lengths: shown too {} by {:.2} ± {u:.2} ppm, by known lengths; the results are free of it",
+            if value < 0.0 { "short" } else { "long" },
+            value.abs()
         ),
     })
 }

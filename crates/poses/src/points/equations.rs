@@ -217,6 +217,10 @@ fn refused(campaign: &Campaign, step: usize, targets: &[usize], error: &Identify
             format!("{in_words}: the method six needs three targets, found {measured}"),
             "use the method nine",
         ),
+        Identify::NoPose { .. } => Error::not_trustworthy(
+            format!("{in_words}: the points of targets {names} fit no pose of the stage"),
+            "see whether targets have each other's names in some rows, or a coordinate is mistyped",
+        ),
         _ => {
             let axis = campaign.axis_under_test(step);
             let name = |axis: usize| campaign.machine.axes()[axis].name().to_owned();
