@@ -63,6 +63,6 @@ pub use place::{Part, Place};
 pub use rounding::{point_mm, push_rounded, round, significant};
 pub use schema::nullable_text;
 pub use sha256::sha256;
-pub use told_unit::{told_period, told_unit};
+pub use told_unit::{told_period, told_places, told_span, told_unit};
 pub use unique_keys::unique_keys;
 pub use whole::{write_derived, write_whole, write_whole_by};

@@ -37,3 +37,28 @@ pub fn told_period(value: f64, unit: &str) -> String {
     let decimals = usize::from(size > 1.0);
     format!("{:.decimals$} {unit}", value / size)
 }
+
+/// What a rate is counted over, in words; nothing for what is none.
+#[must_use]
+pub fn told_span(parameter: &str) -> &'static str {
+    match parameter {
+        "rate" => " over the readings",
+        name if name.starts_with("rate_") => " over an occupation",
+        _ => "",
+    }
+}
+
+/// Decimals that tell positions from each other, mm: one of a machine, more of a short travel.
+#[must_use]
+pub fn told_places(positions: impl Iterator<Item = f64> + Clone) -> usize {
+    let first = positions.clone().fold(f64::INFINITY, f64::min);
+    let last = positions.fold(f64::NEG_INFINITY, f64::max);
+    match last - first {
+        travel if travel < 1.0 => 4,
+        travel if travel < SHORT_TRAVEL_MM => 2,
+        _ => 1,
+    }
+}
+
+/// Of which one decimal would say little.
+const SHORT_TRAVEL_MM: f64 = 20.0;

@@ -1,7 +1,7 @@
 //! The diagnosis: how the misfit splits, and each cause with where it acts.
 
 use serde::Serialize;
-use trueaxis_files::told_unit;
+use trueaxis_files::{told_places, told_span, told_unit};
 
 use crate::diagnosis::{Cause, CurvePoint, Diagnosis, Fitted, Level, MisfitAt, Parameter};
 use crate::disturbances::DisturbanceView;
@@ -274,11 +274,12 @@ fn along_it(curve: Option<&[CurvePoint]>) -> String {
             all.push([at, value, u]);
         }
     }
+    let places = told_places(all.iter().map(|point| point[0]));
     all.sort_by(|a, b| a[1].total_cmp(&b[1]));
     let told = |[at, value, u]: &[f64; 3]| {
         let digits = decimals(COVERAGE * u).min(3);
         let (value, u) = (signed(*value, digits), fixed(COVERAGE * u, digits));
-        format!("{value} ± {u}\u{a0}µm at {}\u{a0}mm", fixed(*at, 1))
+        format!("{value} ± {u}\u{a0}µm at {}\u{a0}mm", fixed(*at, places))
     };
     match (all.first(), all.last()) {
         (Some(least), Some(most)) => format!("; from {} to {}", told(least), told(most)),
@@ -318,9 +319,10 @@ fn parameters(cause: &Cause) -> String {
             Some(u) => {
                 let digits = decimals(COVERAGE * u).min(3);
                 format!(
-                    "{name} {} ± {}{unit}",
+                    "{name} {} ± {}{unit}{}",
                     with_sign(value, digits),
-                    fixed(COVERAGE * u, digits)
+                    fixed(COVERAGE * u, digits),
+                    told_span(&parameter.name)
                 )
             }
             // The shortest that the steps show.

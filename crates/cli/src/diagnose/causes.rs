@@ -162,6 +162,17 @@ fn size_um(change: &Change) -> f64 {
     }
 }
 
+/// What part of the misfit beyond the noise is gone; nothing where noise that was told apart from it beforehand would explain all.
+fn of_excess(share: f64) -> String {
+    match share > 0.0 {
+        true => format!(
+            "; {:.0} % of the misfit beyond the noise is gone",
+            100.0 * share
+        ),
+        false => String::new(),
+    }
+}
+
 /// What was gained on unused data.
 pub(crate) fn gained(level: &LevelReport, of_several: bool) -> Vec<String> {
     let data = match of_several {
@@ -181,12 +192,11 @@ pub(crate) fn gained(level: &LevelReport, of_several: bool) -> Vec<String> {
     let [low, high] = gain.interval;
     let mut text = if gain.is_claimed() {
         format!(
-            "data that the model was not fitted to are predicted {:.0} % better ({:.0} to {:.0} %); \
-             {:.0} % of the misfit beyond the noise is gone",
+            "data that the model was not fitted to are predicted {:.0} % better ({:.0} to {:.0} %){}",
             100.0 * (1.0 - gain.heldout_rms_ratio),
             100.0 * (1.0 - high),
             100.0 * (1.0 - low),
-            100.0 * gain.share_of_excess_removed,
+            of_excess(gain.share_of_excess_removed),
         )
     } else {
         format!(

@@ -2,7 +2,7 @@
 
 use trueaxis_diagnose::{CurvePoint, EstimatedParameter};
 use trueaxis_effects::{GivenSubject, ResolvedEffect, Scene};
-use trueaxis_files::told_unit;
+use trueaxis_files::{told_places, told_span, told_unit};
 
 /// Coverage factor of the uncertainties that people read.
 const COVERAGE: f64 = 2.0;
@@ -74,7 +74,12 @@ pub(crate) fn parameters(parameters: &[EstimatedParameter]) -> String {
                 )
             }
             "waves" => format!("{:.0} waves per turn", first.value),
-            _ => format!("{name} {}{}", number(first), unit(first.unit)),
+            _ => format!(
+                "{name} {}{}{}",
+                number(first),
+                unit(first.unit),
+                told_span(&first.name)
+            ),
         });
     }
     parts.join("; ")
@@ -94,11 +99,12 @@ fn as_told(parameter: &EstimatedParameter) -> EstimatedParameter {
 /// The ends of a free form: `+104.7 ± 5.2 µm at 0 mm, +12.0 ± 5.2 µm at -4 mm`; none without one.
 pub(crate) fn curve(curve: &[CurvePoint]) -> Option<String> {
     let value = |point: &CurvePoint| point.value_um[0];
+    let places = told_places(curve.iter().map(|point| point.at));
     let point = |point: &CurvePoint| {
         let expanded = COVERAGE * point.u_um[0];
         let decimals = decimals(expanded);
         format!(
-            "{:+.decimals$} ± {expanded:.decimals$} µm at {:.1} mm",
+            "{:+.decimals$} ± {expanded:.decimals$} µm at {:.places$} mm",
             value(point),
             point.at
         )

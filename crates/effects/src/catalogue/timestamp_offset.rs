@@ -18,9 +18,9 @@ pub(super) const EFFECT: Effect = Effect {
         false => 0.0,
     }),
     explanation: Explanation {
-        cause: "readings are taken on the fly and their time stamps do not belong to the positions",
+        cause: "readings are taken on the fly and their time stamps do not belong to the positions; on a circle the servo of this axis lags more than that of the other one",
         consequence: "looks like lost motion in proportion to the feed",
-        action: "synchronise the trigger, or measure at standstill",
+        action: "synchronise the trigger, or measure at standstill; on a circle match the position gains of both axes",
         separate_by: "measure the same line at another feed: a time offset grows with the feed, lost motion does not",
     },
 };
