@@ -16,6 +16,7 @@
 //! directions, cycles and lines, but not what its mean curve is made of. Arrivals are taken as
 //! independent.
 
+mod alike;
 mod another_curve;
 mod arrivals;
 pub(crate) mod base;
@@ -46,6 +47,7 @@ mod search;
 mod series;
 mod stack;
 mod stops;
+mod take_away;
 mod together;
 mod units;
 mod wandered;
@@ -59,6 +61,7 @@ use trueaxis_predict::CalibratedMachine;
 
 use crate::components::diagnose_line_curve;
 use crate::said::Said;
+use crate::verification::alike::alike_scales;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
 use crate::verification::copied::copied;
@@ -139,6 +142,7 @@ pub(crate) fn diagnose_verification(
         series.entry(scene, &first)
     };
     outcome.entries = all.iter().enumerate().map(entry).collect();
+    outcome.notices.extend(alike_scales(&outcome.entries, &all));
     join(&mut outcome.entries, &shared, &all);
     outcome
 }

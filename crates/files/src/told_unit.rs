@@ -54,11 +54,12 @@ pub fn told_places(positions: impl Iterator<Item = f64> + Clone) -> usize {
     let first = positions.clone().fold(f64::INFINITY, f64::min);
     let last = positions.fold(f64::NEG_INFINITY, f64::max);
     match last - first {
-        travel if travel < 1.0 => 4,
+        travel if travel < TINY_TRAVEL_MM => 4,
         travel if travel < SHORT_TRAVEL_MM => 2,
         _ => 1,
     }
 }
 
-/// Of which one decimal would say little.
+/// Of which one decimal would say little, and of which two would.
 const SHORT_TRAVEL_MM: f64 = 20.0;
+const TINY_TRAVEL_MM: f64 = 1.0;

@@ -160,7 +160,8 @@ fn absurd_scale(calibration: &Calibration) -> Option<String> {
         .filter(|scale| scale.value.abs() > ABSURD_SCALE)?;
     let side = if scale.value > 0.0 { "long" } else { "short" };
     Some(format!(
-        "lengths are shown too {side} by {:.0} ppm against known lengths, and all results were scaled by that: check `length_mm` of the          known lengths, and whether the lengths are corrected for the air",
+        "lengths are shown too {side} by {:.0} ppm against known lengths, and all results were scaled by that: check `length_mm` of the \
+         known lengths, and whether the lengths are corrected for the air",
         1e6 * scale.value.abs()
     ))
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use trueaxis_campaign::{Direction, Verification, VerificationKind};
 use trueaxis_effects::{Circumstances, Effect, GivenEffect, Shape, Subject};
-use trueaxis_kinematics::{Ideal, MICROMETRE, Machine};
+use trueaxis_kinematics::{AxisKind, Ideal, MICROMETRE, Machine};
 use trueaxis_leastsquares::half_waves;
 use trueaxis_predict::{
     CalibratedMachine, MeasuredPoint, carrier, predicted_reading_um, stands_alike,
@@ -211,6 +211,13 @@ impl<'a> Comparison<'a> {
     /// The axis of a line; none of a ball bar.
     pub(crate) fn line(&self) -> Option<usize> {
         line(self.kind)
+    }
+
+    /// Whether it is a line of a rotary axis.
+    pub(crate) fn is_of_rotary_axis(&self) -> bool {
+        let kind = |axis: usize| self.machine.axes()[axis].kind();
+        self.line()
+            .is_some_and(|axis| kind(axis) == AxisKind::Rotary)
     }
 
     /// The axis measured, or the outermost one that moves the ball.

@@ -4,13 +4,17 @@
 //! begins with what wanders; a third has nothing else. The one with the most evidence is taken: each further name costs
 //! [`DECISIVE`], and what can be anything twice that.
 
+use trueaxis_effects::Shape;
+
 use crate::engine::{Chosen, FURTHER_LEVEL, Listed, beside_one_of};
 use crate::selection::{DECISIVE, Score};
 use crate::verification::believed::{with_gain, without_imitations};
 use crate::verification::held_out::{gain, held_out};
+use crate::verification::lost_motion::FORMS;
 use crate::verification::omnibus::omnibus;
 use crate::verification::problem::Problem;
-use crate::verification::search::{drop_superfluous, search};
+use crate::verification::search::{drop_superfluous, opposed, search, search_from};
+use crate::verification::wanderer::Wanderer;
 use crate::verification::wandering::{FittedProcess, wandering};
 
 /// Causes, and what wanders beside them.
@@ -37,22 +41,9 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
     };
     let mut models = Vec::new();
     if !is_complete {
-        // A form of one parameter that leaves much of what wanders may be right; others imitate it.
-        let mut suspects = search(&plain.listed, &[], plain.level);
-        let mut holding = suspects.clone();
-        without_imitations(plain, &mut holding);
-        suspects.retain(|cause| {
-            let candidate = &plain.listed.candidates[cause.candidate];
-            let is_simple = candidate.plausible.len() == 1 && !candidate.is_of_any_form();
-            is_simple || holding.contains(cause)
-        });
-        models.extend(beside(plain, suspects));
-        if models
-            .iter()
-            .all(|m| !have_same(&m.causes, &of_causes.causes))
-        {
-            models.extend(beside(plain, of_causes.causes.clone()));
-        }
+        models.extend(whole(plain));
+        let sets = suspected(plain, &of_causes.causes);
+        models.extend(sets.into_iter().filter_map(|causes| beside(plain, causes)));
     }
     // Where causes explain all, what wanders must do it alone to be better.
     let explains = |m: &Model<'_>| !m.causes.is_empty() && !is_left(m);
@@ -67,23 +58,101 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
             models.extend(with_causes(plain, alone));
         }
     }
-    // The first of those that are as good.
-    let mut most = evidence(plain, &of_causes);
-    let mut best = None;
-    for model in models {
-        let model = described(plain, model);
-        let evidence = evidence(plain, &model);
-        if evidence > most {
-            (most, best) = (evidence, Some(model));
-        }
-    }
+    let models = models.into_iter().map(|model| described(plain, model));
     // What wanders and does not predict is left unexplained.
-    best.filter(|model| helps(plain, model))
-        .unwrap_or(of_causes)
+    let helping = models.filter(|model| helps(plain, model));
+    let models = without_rests(std::iter::once(of_causes).chain(helping).collect());
+    // The first of those that are as good.
+    let scored = models
+        .into_iter()
+        .map(|model| (evidence(plain, &model), model));
+    let best = scored.reduce(|best, next| if next.0 > best.0 { next } else { best });
+    best.map_or_else(|| only(plain, Vec::new()), |(_, model)| model)
 }
 
-/// Whether what wanders gains on readings that were not used, with a probability of nine in ten.
+/// Sets of causes beside which something may wander.
+fn suspected(plain: &Problem<'_>, of_causes: &[Chosen]) -> Vec<Vec<Chosen>> {
+    let found = search(&plain.listed, &[], plain.level);
+    let mut holding = found.clone();
+    without_imitations(plain, &mut holding);
+    // A form of one parameter that leaves much of what wanders may be right; others imitate it.
+    let may_be_right = |cause: &&Chosen| {
+        let candidate = &plain.listed.candidates[cause.candidate];
+        let is_simple = candidate.plausible.len() == 1 && !candidate.is_of_any_form();
+        is_simple || holding.contains(cause)
+    };
+    let together: Vec<Chosen> = found.iter().filter(may_be_right).copied().collect();
+    // Each by itself: beside another one that is a part of what wanders, lost motion was lost. That is tried in any case.
+    let each = found.into_iter().chain(lost_motion(plain));
+    let all = [together, of_causes.to_vec()].into_iter();
+    let mut sets: Vec<Vec<Chosen>> = Vec::new();
+    for causes in all.chain(each.map(|cause| vec![cause])) {
+        if !causes.is_empty() && !sets.iter().any(|set| have_same(set, &causes)) {
+            sets.push(causes);
+        }
+    }
+    sets
+}
+
+/// Lost motion of the measured axis in its forms of one and two parameters.
+fn lost_motion(plain: &Problem<'_>) -> Vec<Chosen> {
+    let candidates = plain.listed.candidates.iter().enumerate();
+    let forms = candidates.filter(|(_, own)| {
+        let is_of_axis = own.hypothesis.subject.axis == plain.comparison.line();
+        is_of_axis && FORMS.contains(&own.hypothesis.effect.id) && !own.is_free
+    });
+    let chosen = forms.filter_map(|(candidate, own)| {
+        Some(Chosen {
+            candidate,
+            shape: *own.shapes.first()?,
+            u_shape: 0.0,
+        })
+    });
+    chosen.collect()
+}
+
+/// First causes that others are looked for beside, at most, and causes that explain all, at most: play of both axes, their
+/// squareness, scales and servos are all there on an ordinary circle.
+const FIRST: usize = 4;
+const MOST_OF_ALL: usize = 5;
+
+/// Several causes that leave nothing: of a pair that one cause imitates neither is the first, and what is little against the others was
+/// taken for their shape.
+fn whole<'a>(plain: &Problem<'a>) -> Vec<Model<'a>> {
+    let listed = &plain.listed;
+    let beside = listed.beside(&[]);
+    let null = beside.null();
+    let is_first = |score: &&Score| {
+        let candidate = listed.candidate(&beside, score);
+        candidate.plausible.len() == 1 && null.family_wise(score.ln_p) < plain.level
+    };
+    let firsts = beside.scores.iter().filter(is_first).take(FIRST);
+    let mut models: Vec<Model<'a>> = Vec::new();
+    for first in firsts.map(|score| listed.chosen(&beside, score)) {
+        let causes = search_from(listed, first, plain.level, MOST_OF_ALL);
+        let is_known = models.iter().any(|m| have_same(&m.causes, &causes));
+        if causes.len() < 2 || is_known || opposed(listed, &causes) {
+            continue;
+        }
+        let model = Model {
+            causes,
+            ..only(plain, Vec::new())
+        };
+        if !is_left(&model) {
+            models.push(model);
+        }
+    }
+    models
+}
+
+/// Whether what wanders gains on readings that were not used, with a probability of nine in ten; where nothing does, whether each cause
+/// does.
 fn helps(plain: &Problem<'_>, model: &Model<'_>) -> bool {
+    if model.wandering.is_empty() {
+        let mut gaining = model.causes.clone();
+        with_gain(plain, &mut gaining);
+        return gaining.len() == model.causes.len();
+    }
     let without = held_out(plain, &model.causes);
     let with = held_out(&model.problem, &model.causes);
     // What cannot be held out cannot be refuted.
@@ -128,10 +197,29 @@ fn with_causes<'a>(plain: &Problem<'a>, first: Vec<FittedProcess>) -> Option<Mod
     beside(plain, found)
 }
 
+/// Models without those that leave something where another one with the same causes, or more, leaves nothing.
+fn without_rests(models: Vec<Model<'_>>) -> Vec<Model<'_>> {
+    let leaves: Vec<bool> = models.iter().map(is_left).collect();
+    let is_rest = |k: usize| {
+        let mut others = models.iter().zip(&leaves);
+        let is_whole = |(other, left): (&Model<'_>, &bool)| {
+            !left && models[k].causes.iter().all(|own| has(&other.causes, own))
+        };
+        leaves[k] && !models[k].causes.is_empty() && others.any(is_whole)
+    };
+    let rests: Vec<bool> = (0..models.len()).map(is_rest).collect();
+    let kept = models.into_iter().zip(rests).filter(|(_, rest)| !rest);
+    kept.map(|(model, _)| model).collect()
+}
+
+/// Whether a cause is among some, whatever its shape.
+fn has(causes: &[Chosen], own: &Chosen) -> bool {
+    causes.iter().any(|cause| cause.candidate == own.candidate)
+}
+
 /// Whether two models have the same causes.
 fn have_same(first: &[Chosen], second: &[Chosen]) -> bool {
-    let numbers = |causes: &[Chosen]| causes.iter().map(|c| c.candidate).collect::<Vec<_>>();
-    numbers(first) == numbers(second)
+    first.len() == second.len() && first.iter().all(|own| has(second, own))
 }
 
 /// Whether a test finds anything that the model leaves.
@@ -196,21 +284,27 @@ fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
 /// A cause in time is no more than a part of what wanders if this part of what it explains is left to that.
 const PART: f64 = 0.1;
 
+/// A wave along an axis whose curve wanders over the position is a rest of that, if it explains less than this part of it.
+const REST: f64 = 0.25;
+
 /// The model without causes that do not describe the course that they give a name.
 fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>) -> Model<'a> {
     loop {
         let listed = &model.problem.listed;
         let wanders_on = |k: usize| {
             let hypothesis = listed.hypothesis(&model.causes[k]);
-            let mut wandering = model.wandering.iter();
-            let Some(own) = wandering.find(|own| own.wanderer.is_course_of(hypothesis)) else {
-                return false;
+            let explained = || {
+                listed.judge(&model.causes, k).map_or(0.0, |judged| {
+                    let after = listed.with(&model.causes);
+                    judged.score.statistic * after.degrees_of_freedom / after.squares()
+                })
             };
-            let explained = listed.judge(&model.causes, k).map_or(0.0, |judged| {
-                let after = listed.with(&model.causes);
-                judged.score.statistic * after.degrees_of_freedom / after.squares()
-            });
-            own.evidence > PART * explained
+            let is_wave = hypothesis.effect.shape == Shape::Period;
+            model.wandering.iter().any(|own| match own.wanderer {
+                Wanderer::Position if is_wave => explained() < REST * own.evidence,
+                wanderer if wanderer.is_course_of(hypothesis) => own.evidence > PART * explained(),
+                _ => false,
+            })
         };
         let Some(undescribed) = (0..model.causes.len()).find(|&k| wanders_on(k)) else {
             return model;

@@ -26,12 +26,16 @@ pub(crate) fn copied(readings: &[VerificationReading]) -> Option<String> {
     }
     let mut longest = Run::default();
     let (mut comparable, mut equal) = (0_usize, 0_usize);
+    let mut furthest = 0.0_f64;
     for apart in 1..readings.len() {
         let mut rows = 0;
         for (first, (a, b)) in readings.iter().zip(&readings[apart..]).enumerate() {
             let is_comparable = a.direction == b.direction && a.positions == b.positions;
             let is_equal = is_comparable && is_same(a.value_um, b.value_um);
             comparable += usize::from(is_comparable);
+            if is_comparable {
+                furthest = furthest.max((a.value_um - b.value_um).abs());
+            }
             equal += usize::from(is_equal);
             rows = if is_equal { rows + 1 } else { 0 };
             // Not over itself.
@@ -43,6 +47,9 @@ pub(crate) fn copied(readings: &[VerificationReading]) -> Option<String> {
                 };
             }
         }
+    }
+    if is_coarse(readings, furthest) {
+        return None;
     }
     let Run { first, rows, apart } = longest;
     let chance = (equal + 1 - rows) as f64 / (comparable + 1) as f64;
@@ -60,3 +67,26 @@ pub(crate) fn copied(readings: &[VerificationReading]) -> Option<String> {
         line(first + rows - 1)
     ))
 }
+
+/// Steps of the last digit over the range of the readings, at most, for that digit to hide what repeats differ by.
+const COARSE: f64 = 50.0;
+
+/// Whether repeats differ by one digit at most, of few over the range: an instrument that reads no finer reads the same twice.
+fn is_coarse(readings: &[VerificationReading], furthest_um: f64) -> bool {
+    let values = || readings.iter().map(|reading| reading.value_um);
+    let first = values().fold(f64::INFINITY, f64::min);
+    let last = values().fold(f64::NEG_INFINITY, f64::max);
+    let is_digit = |digit: &f64| {
+        let steps = |value: f64| (value / digit - (value / digit).round()).abs();
+        values().all(|value| steps(value) < ROUNDING)
+    };
+    let digits = (-4..4)
+        .rev()
+        .flat_map(|power| [5.0, 2.0, 1.0].map(|x| x * 10_f64.powi(power)));
+    let mut digits = digits.filter(is_digit);
+    let digit = digits.next().unwrap_or(0.0);
+    last - first <= COARSE * digit && furthest_um <= digit * (1.0 + ROUNDING)
+}
+
+/// Of a number of digits.
+const ROUNDING: f64 = 1e-6;

@@ -8,6 +8,8 @@ use crate::Rejected;
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Contradicts {
     All,
+    /// All other stops, with the other readings of its own.
+    OtherStops,
     /// The other one of its position and side, which is left out, too.
     TheOther,
     ItsStop,
@@ -17,6 +19,9 @@ impl Contradicts {
     fn reason(self) -> &'static str {
         match self {
             Self::All => "contradicts all other readings: a slip of the pen, or read too early",
+            Self::OtherStops => {
+                "its stop contradicts all others: the axis was elsewhere, or the instrument was touched"
+            }
             Self::TheOther => {
                 "contradicts the other reading of its position: one of the two is a slip of the pen, or was read too early"
             }
@@ -30,6 +35,7 @@ impl Contradicts {
     pub(crate) fn against(self) -> &'static str {
         match self {
             Self::All => "all others and was left out",
+            Self::OtherStops => "all other stops and was left out, as were those of its stop",
             Self::TheOther => {
                 "the other one of its position; nothing tells which is wrong, so both were left out: read it again"
             }

@@ -95,17 +95,27 @@ pub(crate) fn gross_errors(
     }
     let without: Vec<usize> = found.iter().map(|slip| slip.arrival).collect();
     let off = off_um(comparison, &without);
-    let of_one_reading = |row: &&[Slip]| {
-        let mut arrivals = row.iter().map(|slip| &comparison.arrivals[slip.arrival]);
-        arrivals.all(|arrival| arrival.readings == 1)
+    // Whole stops at the start of a table may be a machine that warms up, at its end one that moved.
+    let is_start_or_end = |row: &[Slip]| {
+        let are_stops = row
+            .iter()
+            .any(|slip| comparison.arrivals[slip.arrival].readings > 1);
+        let is_at_end = |slip: &Slip| slip.arrival == 0 || slip.arrival + 1 == count;
+        are_stops && (row.len() > 1 || row.iter().any(is_at_end))
+    };
+    let alone = |slip: &Slip| match comparison.arrivals[slip.arrival].readings {
+        1 => Contradicts::All,
+        _ => Contradicts::OtherStops,
     };
     let slips = |row: &[Slip]| -> Vec<(Slip, Contradicts)> {
-        if row.len() > MOST_IN_A_ROW || is_jump(row, &off, &without) {
+        if row.len() > MOST_IN_A_ROW || is_jump(row, &off, &without) || is_start_or_end(row) {
             return Vec::new();
         }
         match screen.rivals(row, &off, &without).as_deref() {
-            Some([]) => row.iter().map(|slip| (*slip, Contradicts::All)).collect(),
-            Some([other]) if screen.are_all_of_a_cell(row, other) => {
+            Some([]) => row.iter().map(|slip| (*slip, alone(slip))).collect(),
+            Some([other])
+                if screen.are_all_of_a_cell(row, other) && !is_start_or_end(&other.slips) =>
+            {
                 let both = [row, &other.slips].concat();
                 let said = |slip| (slip, Contradicts::TheOther);
                 both.into_iter().map(said).collect()
@@ -113,7 +123,6 @@ pub(crate) fn gross_errors(
             _ => Vec::new(),
         }
     };
-    let rows = rows.into_iter().filter(of_one_reading);
     let mut first = 0;
     let first_readings = comparison.arrivals.iter().map(|arrival| {
         let reading = first;
@@ -121,13 +130,14 @@ pub(crate) fn gross_errors(
         reading
     });
     let first_readings: Vec<usize> = first_readings.collect();
-    let mut slips: Vec<(Slip, Contradicts)> = rows.flat_map(slips).collect();
+    let mut slips: Vec<(Slip, Contradicts)> = rows.into_iter().flat_map(slips).collect();
     slips.sort_by_key(|(slip, _)| slip.arrival);
     slips.dedup_by_key(|(slip, _)| slip.arrival);
-    let said = slips.into_iter().map(|(slip, contradicts)| {
-        let reading = first_readings[slip.arrival];
+    let said = slips.into_iter().flat_map(|(slip, contradicts)| {
+        let first = first_readings[slip.arrival];
+        let readings = first..first + comparison.arrivals[slip.arrival].readings;
         let error = (slip.error_um, slip.u_um);
-        GrossError::new(verification, reading, error, contradicts)
+        readings.map(move |reading| GrossError::new(verification, reading, error, contradicts))
     });
     said.collect()
 }
@@ -262,16 +272,18 @@ impl Screen<'_> {
         Some(all)
     }
 
-    /// Whether a position was read by these two alone from its side: nothing then tells which of them is wrong.
+    /// Whether positions were read by these alone from their side, twice each: nothing then tells which of the two is wrong.
     fn are_all_of_a_cell(&self, row: &[Slip], other: &Tested) -> bool {
-        let ([one], [other]) = (row, other.slips.as_slice()) else {
-            return false;
-        };
         let cells = cells(self.comparison);
-        let of_cell = cells.iter().filter(|cell| **cell == cells[one.arrival]);
-        cells[one.arrival] == cells[other.arrival]
-            && of_cell.count() == 2
-            && self.comparison.arrivals[other.arrival].readings == 1
+        let is_of_two = |(one, other): (&Slip, &Slip)| {
+            let of_cell = cells.iter().filter(|cell| **cell == cells[one.arrival]);
+            cells[one.arrival] == cells[other.arrival] && of_cell.count() == 2
+        };
+        // A pass there and one there again, or one there and one back from the same side, in the other order.
+        let [first, second] = [row, &other.slips];
+        let mut pairs = first.iter().zip(second);
+        let mut reversed = first.iter().zip(second.iter().rev());
+        first.len() == second.len() && (pairs.all(is_of_two) || reversed.all(is_of_two))
     }
 }
 

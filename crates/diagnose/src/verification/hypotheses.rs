@@ -25,8 +25,8 @@ const GAPS_NEARBY: usize = 60;
 /// explained, `(sin x/x)²` for `x = π/16`.
 const WAVE_STEP: f64 = 0.125;
 
-/// Steps of the wave number of the longest period, twice the range: a wave that is longer is a slope and a bow.
-const FEWEST_STEPS: u32 = 4;
+/// Steps of the wave number of the longest period, half the range: what does not come back is a step, a slope or a bow.
+const FEWEST_STEPS: u32 = 16;
 
 /// Steps of the wave number that are tried at most; the grid stays small enough to look at in no time.
 const MOST_STEPS: u32 = 400;
@@ -109,15 +109,16 @@ pub(crate) fn candidates<'a>(
                 continue;
             }
             let straight = [column(0, 0.0), column(1, 0.0)];
-            let waves = 1..=lost_motion::most_waves(comparison);
-            let more = lost_motion::waves(comparison, &straight, waves.clone().count());
+            let numbers = lost_motion::numbers_of_waves(comparison);
+            let most = numbers.last().copied().unwrap_or(0);
+            let more = lost_motion::waves(comparison, &straight, most);
             let columns: Vec<Vec<f64>> = straight.into_iter().chain(more).map(whiten).collect();
-            if !waves.is_empty() {
-                let first = |k| columns[..count + k].to_vec();
+            if most > 0 {
+                let first = |k: &usize| columns[..count + k].to_vec();
                 all.push(Candidate {
                     hypothesis,
-                    columns: waves.clone().map(first).collect(),
-                    shapes: waves.map(|k| k as f64).collect(),
+                    columns: numbers.iter().map(first).collect(),
+                    shapes: numbers.iter().map(|k| *k as f64).collect(),
                     plausible,
                     is_free: true,
                     rows_of_size,
@@ -213,7 +214,7 @@ pub(crate) fn is_continuous(shape: Shape) -> bool {
     )
 }
 
-/// Periods from two steps, the shortest that equal steps tell from a longer one, to twice the range of the axis.
+/// Periods from two steps, the shortest that equal steps tell from a longer one, to half the range of the axis.
 fn periods(comparison: &Comparison<'_>, subject: &Subject) -> Vec<f64> {
     let Some((range, most)) = most_waves(comparison, subject) else {
         return Vec::new();

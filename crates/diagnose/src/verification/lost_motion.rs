@@ -12,7 +12,7 @@ use trueaxis_campaign::VerificationKind;
 use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::dense::Svd;
 
-use crate::engine::{Candidate, Chosen, SMOOTH_LEVEL};
+use crate::engine::{Candidate, Chosen, MOST_OF_FREEDOM, SMOOTH_LEVEL};
 use crate::selection::{Fit, Hypothesis, ln_f_test};
 use crate::verification::base::{count, places};
 use crate::verification::comparison::Comparison;
@@ -25,18 +25,33 @@ pub(crate) const EFFECT: &str = "position_dependent_backlash";
 /// Lost motion in all its forms.
 pub(crate) const FORMS: [&str; 2] = ["backlash", EFFECT];
 
-/// Half waves beside mean and slope, at most.
-const MOST_WAVES: usize = 6;
+/// Half waves beside mean and slope up to which each number is tried: of a smooth function.
+const SMOOTH: usize = 6;
 
-/// How many waves the positions that were reached from both sides determine, beside mean and slope.
-pub(crate) fn most_waves(comparison: &Comparison<'_>) -> usize {
-    match comparison.kind {
-        VerificationKind::Positioning { .. } => {
-            let both = reached_from_both_sides(comparison).len();
-            both.saturating_sub(2).min(MOST_WAVES)
-        }
-        _ => 0,
-    }
+/// Half waves at most: above that many positions a function that has a value of its own at each of them is not tried. Time grows with their
+/// third power.
+const MOST_WAVES: usize = 40;
+
+/// The numbers of waves beside mean and slope that are tried: up to as many as the positions that were reached from both sides
+/// determine, so that a function that is anything at each of them is among them, as far as the repeats tell it from noise.
+pub(crate) fn numbers_of_waves(comparison: &Comparison<'_>) -> Vec<usize> {
+    let VerificationKind::Positioning { .. } = comparison.kind else {
+        return Vec::new();
+    };
+    let both = reached_from_both_sides(comparison).len();
+    let freedom = comparison.arrivals.len() - count(&places(comparison));
+    let most_of_freedom = (MOST_OF_FREEDOM * freedom as f64).floor();
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a count"
+    )]
+    let told = both.min(most_of_freedom as usize).saturating_sub(2);
+    let smooth = both.saturating_sub(2).min(SMOOTH);
+    let most = told.min(MOST_WAVES);
+    let rough = std::iter::successors(Some(smooth), |k| Some((2 * k).min(most)));
+    let rough = rough.skip(1).take_while(|k| *k < most).chain([most]);
+    (1..=smooth).chain(rough.filter(|k| *k > smooth)).collect()
 }
 
 /// An arrival at each position that was reached from both sides, in the order of the positions.

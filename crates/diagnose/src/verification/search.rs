@@ -11,7 +11,8 @@
 use trueaxis_effects::Shape;
 
 use crate::engine::{Beside, Chosen, FURTHER_LEVEL, Listed, SHAPE_ERROR, are_opposed, without};
-use crate::selection::{DECISIVE, Fit, Projection, Score, combined, ln_f_test};
+use crate::selection::{DECISIVE, Projection, Score, ln_f_test};
+use crate::verification::take_away::does_with;
 
 /// Causes named at most: more are no longer an explanation.
 pub(crate) const MOST_CAUSES: usize = 3;
@@ -30,13 +31,30 @@ pub(crate) fn search(listed: &Listed, excluded: &[usize], level: f64) -> Vec<Cho
 /// The same beside causes that are known, without those that become superfluous.
 pub(crate) fn search_beside(
     listed: &Listed,
-    mut causes: Vec<Chosen>,
+    causes: Vec<Chosen>,
     excluded: &[usize],
     level: f64,
 ) -> Vec<Chosen> {
     let most = causes.len() + MOST_CAUSES;
+    grown(listed, causes, excluded, level, (most, true))
+}
+
+/// Up to `most` causes that begin with one, each significant beside the others, however little of what they explain it does: only where
+/// they leave nothing is it more than their shape.
+pub(crate) fn search_from(listed: &Listed, first: Chosen, level: f64, most: usize) -> Vec<Chosen> {
+    grown(listed, vec![first], &[], level, (most, false))
+}
+
+/// Causes with up to `most` in all; those that may be no more than the shape of others only `with_shapes` end it.
+fn grown(
+    listed: &Listed,
+    mut causes: Vec<Chosen>,
+    excluded: &[usize],
+    level: f64,
+    (most, with_shapes): (usize, bool),
+) -> Vec<Chosen> {
     // Each round adds a cause; one that another makes superfluous gives its place free once.
-    for _ in 0..2 * MOST_CAUSES {
+    for _ in 0..2 * most {
         if causes.len() == most {
             break;
         }
@@ -53,7 +71,7 @@ pub(crate) fn search_beside(
         if causes.contains(&next) {
             break;
         }
-        if is_shape_of(listed, &causes, &next) {
+        if with_shapes && is_shape_of(listed, &causes, &next) {
             break;
         }
         let before = causes.clone();
@@ -90,17 +108,10 @@ fn hidden_pair(listed: &Listed, excluded: &[usize], level: f64) -> Vec<Chosen> {
 }
 
 /// Whether causes are there to take each other away.
-fn opposed(listed: &Listed, causes: &[Chosen]) -> bool {
+pub(crate) fn opposed(listed: &Listed, causes: &[Chosen]) -> bool {
     let of_each = causes.iter().map(std::slice::from_ref);
     let of_each: Vec<Vec<Vec<f64>>> = of_each.map(|cause| listed.columns(cause)).collect();
-    let fit = Fit::new(&listed.base, &of_each.concat());
-    let mut sizes = fit.estimates.as_slice();
-    let does = of_each.iter().map(|columns| {
-        let (own, others) = sizes.split_at(columns.len());
-        sizes = others;
-        combined(listed.base.rows(), columns, own)
-    });
-    are_opposed(&listed.base, &does.collect::<Vec<_>>())
+    are_opposed(&listed.base, &does_with(&listed.base, &of_each))
 }
 
 /// Whether a further cause may be no more than the shape of the others.

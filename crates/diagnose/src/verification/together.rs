@@ -23,6 +23,7 @@ use crate::verification::joined::joint_cause;
 use crate::verification::search::{contains, drop_superfluous, search_beside, simplest};
 use crate::verification::series::Series;
 use crate::verification::stack::{Stack, is_of_all};
+use crate::verification::take_away::takes_own_away;
 
 /// A cause that two series or more show.
 pub(crate) struct Shared {
@@ -65,6 +66,7 @@ pub(crate) fn together(
             .collect();
         let doubtful = (0..found.len()).find(|&k| {
             sizes[k].are_several()
+                || takes_own_away(&stack, &own, &found, k)
                 || !is_known(&found[k]) && !is_believed(&stack, &of_each, &found, k)
         });
         let Some(k) = doubtful else {

@@ -2,8 +2,8 @@
 //!
 //! Over its argument `x`, 0 to 1, each coordinate is a process with Matérn's covariance in half waves
 //! ([`matern_roots`]), as in the lengths, but without its mean: the base model takes that, or it is an effect of the catalogue.
-//! Rows without a clock do not say how long the machine paused between two passes, in which what drifts goes on: each pass then
-//! has an offset of its own beside. What goes with time may also swing with one period, as an air conditioning does ([`Form`]).
+//! Rows without a clock do not say whether the machine paused between two passes, in which what drifts goes on: each pass then
+//! may have an offset of its own beside. What goes with time may also swing with one period, as an air conditioning does ([`Form`]).
 //!
 //! | who | what moves | with | coordinates | where |
 //! | --- | --- | --- | --- | --- |
@@ -52,6 +52,8 @@ const POINTS: u32 = 33;
 pub(crate) enum Form {
     /// Matérn's process with this correlation length.
     Smooth(f64),
+    /// The same, and it goes on in pauses between the passes of which nobody knows how long they were.
+    Paused(f64),
     /// `a sin 2πx/T + b cos 2πx/T` with this period. As a smooth process it would pay for every other course that one so quick
     /// could take, and what repeats in nearly the time of a cycle would look simpler as an error of the axis.
     Swing(f64),
@@ -91,7 +93,7 @@ pub(crate) fn wanderers(comparison: &Comparison<'_>, calibrated: bool) -> Vec<Wa
     let Some(axis) = comparison.line() else {
         return vec![Position, Instrument, Machine];
     };
-    let is_rotary = comparison.machine.axes()[axis].kind() == AxisKind::Rotary;
+    let is_rotary = comparison.is_of_rotary_axis();
     let moves = comparison.moving.contains(&axis);
     let mut all = vec![Instrument];
     // A turn has 360 degrees at any temperature.
@@ -210,7 +212,7 @@ impl Wanderer {
     /// swing from their means, and where pauses are unknown one for the pass.
     fn basis(self, comparison: &Comparison<'_>, form: Form, x: f64, pass: usize) -> Vec<f64> {
         let mut basis: Vec<f64> = match form {
-            Form::Smooth(_) => half_waves(x, self.waves(comparison)).collect(),
+            Form::Smooth(_) | Form::Paused(_) => half_waves(x, self.waves(comparison)).collect(),
             Form::Swing(period) => {
                 let turn = TAU / period;
                 let (sine, cosine) = (turn * x).sin_cos();
@@ -221,7 +223,7 @@ impl Wanderer {
         basis
     }
 
-    /// What a unit of each coefficient does to the readings, coordinate after coordinate; alike for all smooth forms.
+    /// What a unit of each coefficient does to the readings, coordinate after coordinate; alike for all smooth forms, of which those without pauses take none of their offsets.
     pub(crate) fn columns(self, comparison: &Comparison<'_>, form: Form) -> Vec<Vec<f64>> {
         let rows = comparison.passes.iter().enumerate().map(|(row, &pass)| {
             let basis = self.basis(comparison, form, self.argument(comparison, row), pass);
@@ -239,16 +241,28 @@ impl Wanderer {
     /// Standard deviations of the coefficients, coordinate after coordinate; `S_k^½` of the waves.
     pub(crate) fn roots(self, comparison: &Comparison<'_>, form: Form) -> Vec<f64> {
         let mut roots = match form {
-            Form::Smooth(length) => matern_roots(length, self.waves(comparison))[1..].to_vec(),
+            Form::Smooth(length) | Form::Paused(length) => {
+                matern_roots(length, self.waves(comparison))[1..].to_vec()
+            }
             Form::Swing(_) => vec![1.0; 2],
         };
-        roots.extend(std::iter::repeat_n(BETWEEN_PASSES, self.passes(comparison)));
+        let between = match form {
+            Form::Paused(_) => BETWEEN_PASSES,
+            Form::Smooth(_) | Form::Swing(_) => 0.0,
+        };
+        roots.extend(std::iter::repeat_n(between, self.passes(comparison)));
         roots.repeat(self.seen(comparison, 0).len())
     }
 
-    /// Correlation lengths that are tried.
-    pub(crate) fn lengths(self, comparison: &Comparison<'_>) -> Vec<f64> {
-        correlation_lengths(self.stops(comparison))
+    /// Smooth courses that are tried.
+    pub(crate) fn smooth(self, comparison: &Comparison<'_>) -> Vec<Form> {
+        let lengths = correlation_lengths(self.stops(comparison));
+        let smooth = lengths.iter().map(|&length| Form::Smooth(length));
+        let has_pauses = self.passes(comparison) > 0;
+        let paused = lengths.iter().filter(|_| has_pauses);
+        smooth
+            .chain(paused.map(|&length| Form::Paused(length)))
+            .collect()
     }
 
     /// Periods that are tried, of what goes with time by a clock: without one nobody knows the phase after a pause. What is quicker
@@ -267,7 +281,7 @@ impl Wanderer {
 
     /// Whether a swing with this period is nearly a function of position and side of approach.
     pub(crate) fn is_of_cycle(comparison: &Comparison<'_>, period: f64) -> bool {
-        let cycles = count(&cycles(comparison)).max(1) as f64;
+        let cycles = 1.0 / between_cycles(comparison);
         let waves = 1.0 / period;
         let nearest = (waves / cycles).round().max(1.0) * cycles;
         (waves - nearest).abs() < FROM_CYCLE
@@ -311,4 +325,18 @@ impl Wanderer {
             AxisKind::Rotary => (ends.map(f64::to_degrees), "deg"),
         }
     }
+}
+
+/// From the start of a cycle to that of the next, the pause between them included, as a part of the time of all readings (median).
+fn between_cycles(comparison: &Comparison<'_>) -> f64 {
+    let numbers = cycles(comparison);
+    let mut starts = vec![f64::INFINITY; count(&numbers)];
+    for (arrival, &number) in comparison.arrivals.iter().zip(&numbers) {
+        starts[number] = starts[number].min(arrival.progress);
+    }
+    starts.sort_by(f64::total_cmp);
+    let mut between: Vec<f64> = starts.windows(2).map(|two| two[1] - two[0]).collect();
+    between.retain(|part| *part > 0.0);
+    between.sort_by(f64::total_cmp);
+    between.get(between.len() / 2).copied().unwrap_or(1.0)
 }

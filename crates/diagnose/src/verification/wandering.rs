@@ -1,5 +1,7 @@
 //! What wanders beside causes: judged as in the lengths, by its evidence ([`Smooth`]) and a p-value of all together.
 
+use trueaxis_effects::Layer;
+
 use crate::Rival;
 use crate::engine::{Candidate, Chosen, Posterior, SMOOTH_LEVEL, Smooth, without};
 use crate::selection::{ALIKE, DECISIVE, Fit, Projection, by_evidence, ln_f_test};
@@ -126,7 +128,20 @@ pub(crate) fn rival_disturbances(
             evidence: own.evidence,
         })
     });
-    names.collect()
+    // No shift or drift of the machine turns a rotary axis: what its readings cannot tell from the zero of the instrument, an encoder,
+    // a clamp or a belt that slips, has no name in the catalogue.
+    let is_of_instrument = hypothesis.is_of_time() && hypothesis.effect.layer == Layer::Instrument;
+    let machine = Wanderer::Machine.whose(comparison);
+    let names: Vec<Rival> = names.collect();
+    let is_said = names
+        .iter()
+        .any(|rival| matches!(rival, Rival::Disturbance { whose, .. } if *whose == machine));
+    let is_twin = is_of_instrument && comparison.is_of_rotary_axis() && !is_said;
+    let twin = is_twin.then_some(Rival::Disturbance {
+        whose: machine,
+        evidence,
+    });
+    names.into_iter().chain(twin).collect()
 }
 
 /// What one explains of what a model with causes leaves. Smooth courses and swings are equally likely beforehand, and so is
@@ -139,8 +154,7 @@ fn judge(
 ) -> Option<FittedProcess> {
     let comparison = problem.comparison;
     let model = problem.listed.with(causes);
-    let lengths = wanderer.lengths(comparison);
-    let smooth: Vec<Form> = lengths.into_iter().map(Form::Smooth).collect();
+    let smooth = wanderer.smooth(comparison);
     let periods = wanderer.periods(comparison);
     // What repeats with the cycle is a function of position and side of approach, of whatever form. Instead of a cause of such a
     // form it may be simpler, but beside one it would take a part of it.
@@ -270,7 +284,7 @@ impl FittedProcess {
     pub(crate) fn tried(&self, problem: &Problem<'_>) -> usize {
         let comparison = problem.comparison;
         let of_kind = match self.form {
-            Form::Smooth(_) => self.wanderer.lengths(comparison).len(),
+            Form::Smooth(_) | Form::Paused(_) => self.wanderer.smooth(comparison).len(),
             Form::Swing(_) => self.wanderer.periods(comparison).len(),
         };
         of_kind * KINDS

@@ -1,10 +1,13 @@
 //! Positioning of rotary axes. Over a part of a turn any smooth curve is a part of a wave; lost motion may have any form.
 
+use std::cell::Cell;
+
 use nalgebra::{Point3, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use trueaxis_campaign::{Direction, Verification, VerificationKind, VerificationReading};
-use trueaxis_diagnose::{Diagnosis, Settings, Verdict, diagnose};
+use trueaxis_diagnose::{Diagnosis, Rival, Settings, Verdict, diagnose};
+use trueaxis_effects::Layer;
 use trueaxis_kinematics::{Axis, Machine};
 
 use crate::{campaign, generator};
@@ -133,4 +136,23 @@ fn from_one_side_nothing_varies_with_direction() {
     let names: Vec<&str> = tests.map(|test| test.varies_with).collect();
     assert!(names.contains(&"time"), "{names:?}");
     assert!(!names.contains(&"direction in time"), "{names:?}");
+}
+
+/// An encoder or a clamp that slips shifts the readings as a zero of the instrument that jumps: no shift of the machine turns an axis, so
+/// the instrument alone was blamed.
+#[test]
+fn a_rotary_axis_that_slips_may_be_the_axis() {
+    let row = Cell::new(0);
+    let both = [Direction::Forward, Direction::Backward];
+    let found = diagnosed((330.0, 12), &both, |_, _| {
+        row.set(row.get() + 1);
+        if row.get() > 40 { 6.0 } else { 0.0 }
+    });
+    assert_eq!(names(&found), ["instrument_jump"]);
+    assert_eq!(found.verdict, Verdict::Ambiguous);
+    let machine = found.causes[0].rivals.iter().any(|rival| match rival {
+        Rival::Disturbance { whose, .. } => whose.layer == Layer::Machine,
+        Rival::Effect { .. } => false,
+    });
+    assert!(machine, "{:?}", found.causes[0].rivals);
 }

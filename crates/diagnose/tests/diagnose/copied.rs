@@ -38,3 +38,26 @@ fn pasted_cycles_are_said_and_equal_readings_are_not() {
         }
     }
 }
+
+/// An instrument that reads no finer than what repeats differ by reads cycle after cycle the same: two of ten stops each came alike. Where it
+/// reads finer they were pasted.
+#[test]
+fn coarse_digits_are_not_pasted() {
+    let is_said = |digit_um: f64, seed: u64| {
+        let mut random = generator(seed, 68);
+        let mut table = table_of_stops(2, 10, |_, _, stop| {
+            let value = 1.5 * (stop * stop) as f64 + 0.5 * normal(&mut random);
+            (value / digit_um).round() * digit_um
+        });
+        let half = table.readings.len() / 2;
+        for k in 0..half {
+            table.readings[half + k].value_um = table.readings[k].value_um;
+        }
+        let said = found(table).notices;
+        said.iter().any(|notice| notice.contains("pasted"))
+    };
+    for seed in 0..10 {
+        assert!(!is_said(10.0, seed), "seed {seed}");
+        assert!(is_said(0.1, seed), "seed {seed}");
+    }
+}

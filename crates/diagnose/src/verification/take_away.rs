@@ -1,0 +1,58 @@
+//! What several series have in common against what each of them alone shows.
+//!
+//! Two instruments read one motion: an offset of the time stamps in both, and lost motion of another size in each, take each other
+//! away as they do in one series (`engine/opposed.rs`).
+
+use crate::engine::{Chosen, are_opposed};
+use crate::selection::{Fit, Projection, add, combined, dot};
+use crate::verification::stack::Stack;
+
+/// Whether the `k`th cause that series have in common, and those of one of them alone (`own`, of each series), are there to take each
+/// other away.
+pub(crate) fn takes_own_away(
+    stack: &Stack<'_>,
+    own: &[Vec<Chosen>],
+    common: &[Chosen],
+    k: usize,
+) -> bool {
+    let of_all = common.iter().map(std::slice::from_ref);
+    let of_all = of_all.map(|cause| stack.listed.columns(cause));
+    let of_all = does_with(&stack.listed.base, &of_all.collect::<Vec<_>>());
+    (0..own.len()).any(|number| {
+        let series = &stack.all[number];
+        let base = &series.model.problem.listed.base;
+        let to_sigma = stack.scales_um[number] / series.plain.sigma_um;
+        let rows = stack.rows(number);
+        let in_series = of_all.iter().map(|does| {
+            let mut column: Vec<f64> = does[rows.clone()].iter().map(|x| x * to_sigma).collect();
+            column.resize(base.rows(), 0.0);
+            column
+        });
+        let in_series: Vec<Vec<f64>> = in_series.collect();
+        if own[number].is_empty() || dot(&in_series[k], &in_series[k]) == 0.0 {
+            return false;
+        }
+        let mut left = base.residuals.clone();
+        for column in &in_series {
+            add(&mut left, column, -1.0);
+        }
+        let left = base.with_residuals(&left);
+        let of_own = own[number].iter().map(std::slice::from_ref);
+        let of_own = of_own.map(|cause| series.model.problem.listed.columns(cause));
+        let mut does = does_with(&left, &of_own.collect::<Vec<_>>());
+        does.push(in_series[k].clone());
+        are_opposed(base, &does)
+    })
+}
+
+/// What each of some causes does, with the sizes that they have beside each other.
+pub(crate) fn does_with(model: &Projection, of_each: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
+    let fit = Fit::new(model, &of_each.concat());
+    let mut sizes = fit.estimates.as_slice();
+    let does = of_each.iter().map(|columns| {
+        let (own, others) = sizes.split_at(columns.len());
+        sizes = others;
+        combined(model.rows(), columns, own)
+    });
+    does.collect()
+}
