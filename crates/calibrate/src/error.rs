@@ -31,7 +31,8 @@ pub enum Error {
     #[error(
         "axis {axis} does not move as commanded: in {step} the points deviate by {translation_mm:.1} mm and \
          {rotation_deg:.1}° from it; check the direction, sign and unit of this axis in the campaign, its \
-         positions in the table, and that coordinates are right-handed; if all is right, the axis is to be repaired before it can be calibrated"
+         positions in the table, and that coordinates are right-handed; if all is right, the axis is to be \
+         repaired before it can be calibrated"
     )]
     NotThatMotion {
         /// The axis.

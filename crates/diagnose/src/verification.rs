@@ -45,6 +45,7 @@ mod report;
 mod resolution;
 mod search;
 mod series;
+mod side;
 mod stack;
 mod stops;
 mod take_away;

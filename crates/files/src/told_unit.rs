@@ -1,4 +1,4 @@
-//! Units in which people are told what files hold in seconds.
+//! How people are told what files hold: units of long times, spans of rates, decimals of positions.
 
 const DAY_S: f64 = 86_400.0;
 
@@ -38,7 +38,7 @@ pub fn told_period(value: f64, unit: &str) -> String {
     format!("{:.decimals$} {unit}", value / size)
 }
 
-/// What a rate is counted over, in words; nothing for what is none.
+/// The time in which a parameter changes by its value, in words, if it is a rate.
 #[must_use]
 pub fn told_span(parameter: &str) -> &'static str {
     match parameter {

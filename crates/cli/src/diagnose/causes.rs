@@ -162,7 +162,7 @@ fn size_um(change: &Change) -> f64 {
     }
 }
 
-/// What part of the misfit beyond the noise is gone; nothing where noise that was told apart from it beforehand would explain all.
+/// The part of the misfit beyond the noise that is gone; nothing where there was none beyond it.
 fn of_excess(share: f64) -> String {
     match share > 0.0 {
         true => format!(

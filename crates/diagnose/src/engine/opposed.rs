@@ -3,7 +3,7 @@
 //! Lost motion, and an offset of the time stamps at an almost even feed, do nearly the same to readings: against each other they can be
 //! as large as they like, for what little the feed varies.
 
-use crate::selection::{Projection, gram_matrix};
+use crate::selection::{Fit, Projection, combined, gram_matrix};
 
 /// What one cause does against what all do together, in squares.
 const OPPOSED: f64 = 25.0;
@@ -15,6 +15,18 @@ pub(crate) fn are_opposed(model: &Projection, does: &[Vec<f64>]) -> bool {
     let each = (0..does.len()).map(|k| matrix[k * (does.len() + 1)]);
     let together: f64 = matrix.iter().sum();
     each.fold(0.0, f64::max) > OPPOSED * together
+}
+
+/// What each of some causes does, with the sizes that they have beside each other.
+pub(crate) fn does_with(model: &Projection, of_each: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
+    let fit = Fit::new(model, &of_each.concat());
+    let mut sizes = fit.estimates.as_slice();
+    let does = of_each.iter().map(|columns| {
+        let (own, others) = sizes.split_at(columns.len());
+        sizes = others;
+        combined(model.rows(), columns, own)
+    });
+    does.collect()
 }
 
 #[cfg(test)]

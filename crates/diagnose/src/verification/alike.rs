@@ -1,7 +1,5 @@
 //! Scale errors of several axes that are alike.
 
-use trueaxis_kinematics::AxisKind;
-
 use crate::said::Entry;
 use crate::verification::series::Series;
 
@@ -15,8 +13,8 @@ pub(crate) fn alike_scales(entries: &[Entry], all: &[Series<'_>]) -> Option<Stri
     let mut sizes: Vec<(f64, f64)> = Vec::new();
     for (entry, series) in entries.iter().zip(all) {
         let comparison = series.plain.comparison;
-        let is_linear = |axis: &usize| comparison.machine.axes()[*axis].kind() == AxisKind::Linear;
-        let Some(axis) = comparison.line().filter(is_linear) else {
+        let line = comparison.line();
+        let Some(axis) = line.filter(|_| !comparison.is_of_rotary_axis()) else {
             continue;
         };
         let mut causes = entry.causes.iter();

@@ -3,6 +3,7 @@
 use trueaxis_campaign::VerificationKind;
 use trueaxis_effects::{Level, Scene, Shape, Subject, catalogue};
 use trueaxis_kinematics::{AxisKind, Component};
+use trueaxis_leastsquares::median;
 
 use crate::engine::{Candidate, Finer, in_equal_ratios, plausible};
 use crate::selection::{Hypothesis, middle};
@@ -248,7 +249,5 @@ pub(crate) fn sampling(comparison: &Comparison<'_>, axis: usize) -> Option<[f64;
     let positions = comparison.positions(axis);
     let (first, last) = (positions.first()?, positions.last()?);
     let mut steps: Vec<f64> = positions.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    let step = *steps.get(steps.len() / 2)?;
-    Some([last - first, step])
+    Some([last - first, median(&mut steps)?])
 }

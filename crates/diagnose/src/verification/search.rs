@@ -10,9 +10,10 @@
 
 use trueaxis_effects::Shape;
 
-use crate::engine::{Beside, Chosen, FURTHER_LEVEL, Listed, SHAPE_ERROR, are_opposed, without};
+use crate::engine::{
+    Beside, Chosen, FURTHER_LEVEL, Listed, SHAPE_ERROR, are_opposed, does_with, without,
+};
 use crate::selection::{DECISIVE, Projection, Score, ln_f_test};
-use crate::verification::take_away::does_with;
 
 /// Causes named at most: more are no longer an explanation.
 pub(crate) const MOST_CAUSES: usize = 3;

@@ -3,8 +3,8 @@
 //! Two instruments read one motion: an offset of the time stamps in both, and lost motion of another size in each, take each other
 //! away as they do in one series (`engine/opposed.rs`).
 
-use crate::engine::{Chosen, are_opposed};
-use crate::selection::{Fit, Projection, add, combined, dot};
+use crate::engine::{Chosen, are_opposed, does_with};
+use crate::selection::{add, dot};
 use crate::verification::stack::Stack;
 
 /// Whether the `k`th cause that series have in common, and those of one of them alone (`own`, of each series), are there to take each
@@ -43,16 +43,4 @@ pub(crate) fn takes_own_away(
         does.push(in_series[k].clone());
         are_opposed(base, &does)
     })
-}
-
-/// What each of some causes does, with the sizes that they have beside each other.
-pub(crate) fn does_with(model: &Projection, of_each: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
-    let fit = Fit::new(model, &of_each.concat());
-    let mut sizes = fit.estimates.as_slice();
-    let does = of_each.iter().map(|columns| {
-        let (own, others) = sizes.split_at(columns.len());
-        sizes = others;
-        combined(model.rows(), columns, own)
-    });
-    does.collect()
 }

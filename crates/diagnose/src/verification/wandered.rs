@@ -25,7 +25,7 @@ pub(crate) fn wandered(
         let comparison = problem.comparison;
         let (range, unit) = own.wanderer.range(comparison);
         let (length, period) = match own.form {
-            Form::Smooth(length) | Form::Paused(length) => (length, None),
+            Form::Smooth { length, .. } => (length, None),
             // A quarter of it leaves nothing alike.
             Form::Swing(period) => (0.25 * period, Some(period)),
         };

@@ -21,7 +21,7 @@ use std::f64::consts::TAU;
 
 use trueaxis_effects::{Layer, Level, Subject};
 use trueaxis_kinematics::AxisKind;
-use trueaxis_leastsquares::{half_waves, matern_roots};
+use trueaxis_leastsquares::{half_waves, matern_roots, median};
 
 use crate::Wandering;
 use crate::engine::correlation_lengths;
@@ -50,10 +50,9 @@ const POINTS: u32 = 33;
 /// How a course goes on, over its argument from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Form {
-    /// Matérn's process with this correlation length.
-    Smooth(f64),
-    /// The same, and it goes on in pauses between the passes of which nobody knows how long they were.
-    Paused(f64),
+    /// Matérn's process with this correlation length; `paused` if it goes on in pauses between the passes, of which nobody knows how
+    /// long they were.
+    Smooth { length: f64, paused: bool },
     /// `a sin 2πx/T + b cos 2πx/T` with this period. As a smooth process it would pay for every other course that one so quick
     /// could take, and what repeats in nearly the time of a cycle would look simpler as an error of the axis.
     Swing(f64),
@@ -212,7 +211,7 @@ impl Wanderer {
     /// swing from their means, and where pauses are unknown one for the pass.
     fn basis(self, comparison: &Comparison<'_>, form: Form, x: f64, pass: usize) -> Vec<f64> {
         let mut basis: Vec<f64> = match form {
-            Form::Smooth(_) | Form::Paused(_) => half_waves(x, self.waves(comparison)).collect(),
+            Form::Smooth { .. } => half_waves(x, self.waves(comparison)).collect(),
             Form::Swing(period) => {
                 let turn = TAU / period;
                 let (sine, cosine) = (turn * x).sin_cos();
@@ -223,7 +222,8 @@ impl Wanderer {
         basis
     }
 
-    /// What a unit of each coefficient does to the readings, coordinate after coordinate; alike for all smooth forms, of which those without pauses take none of their offsets.
+    /// What a unit of each coefficient does to the readings, coordinate after coordinate; alike for all smooth forms: the offsets of the
+    /// passes have a root of zero in those without pauses.
     pub(crate) fn columns(self, comparison: &Comparison<'_>, form: Form) -> Vec<Vec<f64>> {
         let rows = comparison.passes.iter().enumerate().map(|(row, &pass)| {
             let basis = self.basis(comparison, form, self.argument(comparison, row), pass);
@@ -241,14 +241,14 @@ impl Wanderer {
     /// Standard deviations of the coefficients, coordinate after coordinate; `S_k^½` of the waves.
     pub(crate) fn roots(self, comparison: &Comparison<'_>, form: Form) -> Vec<f64> {
         let mut roots = match form {
-            Form::Smooth(length) | Form::Paused(length) => {
+            Form::Smooth { length, .. } => {
                 matern_roots(length, self.waves(comparison))[1..].to_vec()
             }
             Form::Swing(_) => vec![1.0; 2],
         };
         let between = match form {
-            Form::Paused(_) => BETWEEN_PASSES,
-            Form::Smooth(_) | Form::Swing(_) => 0.0,
+            Form::Smooth { paused: true, .. } => BETWEEN_PASSES,
+            _ => 0.0,
         };
         roots.extend(std::iter::repeat_n(between, self.passes(comparison)));
         roots.repeat(self.seen(comparison, 0).len())
@@ -257,12 +257,15 @@ impl Wanderer {
     /// Smooth courses that are tried.
     pub(crate) fn smooth(self, comparison: &Comparison<'_>) -> Vec<Form> {
         let lengths = correlation_lengths(self.stops(comparison));
-        let smooth = lengths.iter().map(|&length| Form::Smooth(length));
-        let has_pauses = self.passes(comparison) > 0;
-        let paused = lengths.iter().filter(|_| has_pauses);
-        smooth
-            .chain(paused.map(|&length| Form::Paused(length)))
-            .collect()
+        let with_pauses: &[bool] = match self.passes(comparison) {
+            0 => &[false],
+            _ => &[false, true],
+        };
+        let of_lengths = |&paused: &bool| {
+            let lengths = lengths.iter();
+            lengths.map(move |&length| Form::Smooth { length, paused })
+        };
+        with_pauses.iter().flat_map(of_lengths).collect()
     }
 
     /// Periods that are tried, of what goes with time by a clock: without one nobody knows the phase after a pause. What is quicker
@@ -335,8 +338,7 @@ fn between_cycles(comparison: &Comparison<'_>) -> f64 {
         starts[number] = starts[number].min(arrival.progress);
     }
     starts.sort_by(f64::total_cmp);
-    let mut between: Vec<f64> = starts.windows(2).map(|two| two[1] - two[0]).collect();
-    between.retain(|part| *part > 0.0);
-    between.sort_by(f64::total_cmp);
-    between.get(between.len() / 2).copied().unwrap_or(1.0)
+    let between = starts.windows(2).map(|two| two[1] - two[0]);
+    let mut between: Vec<f64> = between.filter(|part| *part > 0.0).collect();
+    median(&mut between).unwrap_or(1.0)
 }

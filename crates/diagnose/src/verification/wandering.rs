@@ -284,7 +284,7 @@ impl FittedProcess {
     pub(crate) fn tried(&self, problem: &Problem<'_>) -> usize {
         let comparison = problem.comparison;
         let of_kind = match self.form {
-            Form::Smooth(_) | Form::Paused(_) => self.wanderer.smooth(comparison).len(),
+            Form::Smooth { .. } => self.wanderer.smooth(comparison).len(),
             Form::Swing(_) => self.wanderer.periods(comparison).len(),
         };
         of_kind * KINDS

@@ -10,7 +10,7 @@ use trueaxis_campaign::{Direction, Verification, VerificationKind, VerificationR
 use crate::counts::Counts;
 use crate::{found, generator, length};
 
-const CENTRE_MM: [f64; 2] = [200.0, 180.0];
+pub(crate) const CENTRE_MM: [f64; 2] = [200.0, 180.0];
 const RADIUS_MM: f64 = 100.0;
 const PER_TURN: usize = 72;
 const CYCLES: u32 = 3;
@@ -83,6 +83,11 @@ fn table(
             line: row + 2,
         }
     });
+    in_xy(rows.collect())
+}
+
+/// A ball bar in the plane of X and Y, about [`CENTRE_MM`].
+pub(crate) fn in_xy(readings: Vec<VerificationReading>) -> Verification {
     Verification {
         name: "DBB in XY".into(),
         kind: VerificationKind::Ballbar {
@@ -93,7 +98,7 @@ fn table(
         },
         u_um: None,
         u_ppm: None,
-        readings: rows.collect(),
+        readings,
     }
 }
 

@@ -2,16 +2,15 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use nalgebra::Point3;
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
-use trueaxis_campaign::{Direction, Verification, VerificationKind, VerificationReading};
+use trueaxis_campaign::{Direction, Verification, VerificationReading};
 use trueaxis_diagnose::{Diagnosis, Verdict};
 
+use crate::ball_bar::{CENTRE_MM, in_xy};
 use crate::counts::summary;
 use crate::{found, generator, report};
 
-const CENTRE_MM: [f64; 2] = [200.0, 180.0];
 const RADIUS_MM: f64 = 150.0;
 const FEED_MM_S: f64 = 1000.0 / 60.0;
 const NOISE_UM: f64 = 0.3;
@@ -65,18 +64,7 @@ fn circle(wrong: Wrong, (start_deg, step_deg): (f64, f64), seed: u64) -> Verific
         }
         time_s += 5.0;
     }
-    Verification {
-        name: "DBB in XY".into(),
-        kind: VerificationKind::Ballbar {
-            ball_mm: Point3::new(0.0, 0.0, 50.0),
-            ball_carrier: 2,
-            length_is_calibrated: false,
-            center_mm: Point3::new(CENTRE_MM[0], CENTRE_MM[1], 50.0),
-        },
-        u_um: None,
-        u_ppm: None,
-        readings,
-    }
+    in_xy(readings)
 }
 
 /// Each value that is found, and what it is in truth: X later is Y earlier, and X longer is Y shorter. None for what was not there.

@@ -22,6 +22,13 @@ pub(crate) struct Place {
     pub(crate) speed: f64,
 }
 
+impl Place {
+    /// From below +1, from above -1.
+    pub(crate) fn side(&self) -> f64 {
+        if self.forward { 1.0 } else { -1.0 }
+    }
+}
+
 pub(crate) const POSITIONS: usize = 21;
 pub(crate) const TARGET_MM: [f64; 3] = [100.0, 300.0, 200.0];
 const STEP_MM: f64 = 20.0;

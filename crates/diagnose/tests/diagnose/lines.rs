@@ -58,18 +58,14 @@ const CASES: [Case; 6] = [
     },
 ];
 
-fn side(place: &Place) -> f64 {
-    if place.forward { 1.0 } else { -1.0 }
-}
-
 fn backlash(place: &Place, _: &[f64]) -> f64 {
-    -side(place)
+    -place.side()
 }
 
 /// Mean and slope with about the same part in the trace.
 fn worn(place: &Place, random: &[f64]) -> f64 {
     let from_middle = (place.x_mm - 200.0) / 121.0;
-    -side(place) * (1.0 + (random[0] - 0.5) + (1.0 + (random[1] - 0.5)) * from_middle)
+    -place.side() * (1.0 + (random[0] - 0.5) + (1.0 + (random[1] - 0.5)) * from_middle)
 }
 
 /// Time constants from a tenth of the run to half of it.

@@ -43,7 +43,7 @@ fn measured(seed: u64, cycles: u32, timed: bool) -> (Diagnosis, Lost) {
     let last_s = places.last().map_or(1.0, |place| place.time_s);
     let lost_um = |place: &Place| drive.lost_um(place.time_s / last_s);
     let behind = places.iter().map(|place| {
-        let side = if place.forward { 1.0 } else { -1.0 };
+        let side = place.side();
         -0.5 * side * lost_um(place)
     });
     let behind: Vec<f64> = behind.collect();

@@ -41,10 +41,6 @@ fn lost_motion(found: &Diagnosis) -> &Cause {
         .unwrap_or_else(|| panic!("{:?}", found.verdict))
 }
 
-fn side(place: &Place) -> f64 {
-    if place.forward { 1.0 } else { -1.0 }
-}
-
 /// 4 µm are lost at the ends and 6 in the middle. With pauses a cycle has 4.26 waves over the readings instead of five, and a swing of
 /// that period took 0.5 µm of it for itself, or made its u as large as it is. Of four values one is beyond four u with a
 /// probability of 3e-4.
@@ -59,7 +55,7 @@ fn pauses_make_no_swing_of_what_repeats_with_the_cycle() {
                 let lost = 4.0 + 2.0 * (std::f64::consts::PI * place.x_mm / 400.0).sin();
                 let noise: f64 = StandardNormal.sample(&mut generator);
                 sum += lost / 110.0;
-                0.1 * noise + drift_um * place.time_s / last_s - 0.5 * side(place) * lost
+                0.1 * noise + drift_um * place.time_s / last_s - 0.5 * place.side() * lost
             }));
             let cause = lost_motion(&found);
             let mean = cause
@@ -85,7 +81,7 @@ fn lost_motion_is_told_beside_a_drift_ten_times_as_large() {
         let found = found(line(0.0, false, |place| {
             let noise: f64 = StandardNormal.sample(&mut generator);
             row += 1.0;
-            0.3 * noise + 20.0 * row / 110.0 - 0.5 * side(place) * 2.0
+            0.3 * noise + 20.0 * row / 110.0 - 0.5 * place.side() * 2.0
         }));
         let cause = lost_motion(&found);
         let size = cause

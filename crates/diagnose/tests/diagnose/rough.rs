@@ -43,7 +43,7 @@ fn line(lost: Lost, seed: u64) -> (Verification, Vec<f64>) {
         .map(|_| StandardNormal.sample(&mut generator))
         .collect();
     let behind = places.iter().map(|place| {
-        let side = if place.forward { 1.0 } else { -1.0 };
+        let side = place.side();
         -0.5 * side * lost(place.x_mm, &own)
     });
     let behind: Vec<f64> = behind.collect();

@@ -49,7 +49,7 @@ fn found(lost_um: f64, seed: u64) -> Diagnosis {
     let mut generator = generator(seed, 43);
     let places = places(5, &[0.0], &[2.0]);
     let values = places.iter().map(|place| {
-        let side = if place.forward { 1.0 } else { -1.0 };
+        let side = place.side();
         -0.5 * lost_um * side + SIGMA_UM * normal(&mut generator)
     });
     let values: Vec<f64> = values.collect();

@@ -58,7 +58,7 @@ fn lost_motion_of_each_and_late_readings_of_both_do_not_take_each_other_away() {
         let mean = speeds.iter().map(|v| v.abs()).sum::<f64>() / speeds.len() as f64;
         let mut read_by = |name: &str, lost_um: f64, noise_um: f64| {
             let values = places.iter().zip(&speeds).map(|(place, speed)| {
-                let side = if place.forward { 1.0 } else { -1.0 };
+                let side = place.side();
                 let noise: f64 = StandardNormal.sample(&mut generator);
                 1e3 * LATE_S * (speed - side * mean) - 0.5 * side * lost_um + noise_um * noise
             });
