@@ -19,10 +19,10 @@
 //! ([`Score::evidence`]): a vector that happens to point along the beam costs what this coincidence is
 //! worth, where the BIC charges every parameter alike.
 
-mod dots;
 mod f_test;
 mod fixed_scan;
 mod gram;
+mod gram_matrix;
 mod null;
 mod projection;
 mod rivals;
@@ -33,8 +33,9 @@ mod soft;
 mod step_scan;
 
 pub(crate) use f_test::{f_test, ln_f_test};
-pub(crate) use fixed_scan::{FixedScan, gram as gram_of, gram_matrix, middle};
+pub(crate) use fixed_scan::{FixedScan, middle};
 pub(crate) use gram::Gram;
+pub(crate) use gram_matrix::{gram as gram_of, gram_matrix};
 pub(crate) use null::Null;
 pub(crate) use projection::{Projection, add, combined};
 pub(crate) use rivals::{ALIKE, DECISIVE, Fit, cosine, is_rival};

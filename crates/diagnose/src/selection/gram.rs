@@ -2,8 +2,7 @@
 
 use nalgebra::DMatrix;
 use trueaxis_leastsquares::dense::symmetric_eigen;
-
-use crate::selection::dots::{SIDE_BY_SIDE, add_row};
+use trueaxis_leastsquares::{Lanes, in_widest_registers, lanes_only};
 
 /// The directions of the parameters that the data can see.
 #[derive(Debug, Clone)]
@@ -83,21 +82,23 @@ impl Gram {
     }
 
     /// The same of several, side by side.
-    pub(crate) fn statistics(&self, s: &[[f64; SIDE_BY_SIDE]]) -> [f64; SIDE_BY_SIDE] {
+    pub(crate) fn statistics(&self, s: &[Lanes]) -> Lanes {
+        let mut statistics = Lanes::ZERO;
         let vectors = self.vectors.chunks_exact(self.parameters.max(1));
-        let mut statistics = [0.0; SIDE_BY_SIDE];
-        for (&value, vector) in self.values.iter().zip(vectors) {
-            let mut along = [0.0; SIDE_BY_SIDE];
-            vector
-                .iter()
-                .zip(s)
-                .for_each(|(v, s)| add_row(&mut along, s, *v));
-            let root = value.sqrt();
-            for (statistic, along) in statistics.iter_mut().zip(along) {
-                let z = along / root;
-                *statistic += z * z;
-            }
-        }
+        in_widest_registers(
+            #[inline(always)]
+            || {
+                for (&value, vector) in self.values.iter().zip(vectors) {
+                    let mut along = Lanes::ZERO;
+                    for (v, s) in vector.iter().zip(s) {
+                        lanes_only();
+                        along = Lanes::splat(*v).mul_add(*s, along);
+                    }
+                    let z = along * Lanes::splat(value.sqrt().recip());
+                    statistics += z * z;
+                }
+            },
+        );
         statistics
     }
 

@@ -20,9 +20,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use trueaxis_leastsquares::dot;
+use trueaxis_leastsquares::{LANES, Lanes, dot};
 
-use crate::selection::dots::{SIDE_BY_SIDE, SideBySide};
 use crate::selection::{Projection, Scan, ln_f_test};
 
 /// The null distribution of the smallest p-value.
@@ -64,7 +63,7 @@ impl Null {
         along: impl Fn(Vec<f64>) -> Vec<f64> + Sync,
     ) -> Self {
         let smallest = |batch: u64| {
-            let draws = batch * SIDE_BY_SIDE as u64..DRAWS.min((batch + 1) * SIDE_BY_SIDE as u64);
+            let draws = batch * LANES as u64..DRAWS.min((batch + 1) * LANES as u64);
             let noise = |draw: u64| -> Vec<f64> {
                 let mut generator = ChaCha8Rng::seed_from_u64(SEED);
                 generator.set_stream(draw);
@@ -76,7 +75,7 @@ impl Null {
             smallest_ln_p(&noise, projection.degrees_of_freedom, scans)
         };
         // Collected in order, so that the sum does not depend on the number of threads.
-        let batches = (0..DRAWS.div_ceil(SIDE_BY_SIDE as u64)).into_par_iter();
+        let batches = (0..DRAWS.div_ceil(LANES as u64)).into_par_iter();
         let smallest: Vec<(Vec<f64>, usize)> = batches.map(smallest).collect();
         let tests = smallest.first().map_or(1, |(_, tests)| *tests);
         let smallest: Vec<f64> = smallest.into_iter().flat_map(|(own, _)| own).collect();
@@ -148,23 +147,29 @@ fn ln_slope(ln_p: f64, growth: f64) -> f64 {
     growth * from.ln() + of_one.max(f64::MIN_POSITIVE).ln()
 }
 
-/// For each of some residuals the logarithm of the smallest p-value of all hypotheses and shapes; and how many these are.
+/// For each of at most [`LANES`] residuals the logarithm of the smallest p-value of all hypotheses and shapes; and how many these are.
 fn smallest_ln_p(
     residuals: &[Vec<f64>],
     degrees_of_freedom: f64,
     scans: &[Box<dyn Scan>],
 ) -> (Vec<f64>, usize) {
-    let side_by_side = SideBySide::new(residuals);
-    let mut largest: Vec<[f64; SIDE_BY_SIDE]> = Vec::new();
+    let mut side_by_side = vec![Lanes::ZERO; residuals.first().map_or(0, Vec::len)];
+    for (lane, residuals) in residuals.iter().enumerate() {
+        for (row, e) in side_by_side.iter_mut().zip(residuals) {
+            row.0[lane] = *e;
+        }
+    }
+    let mut largest: Vec<Lanes> = Vec::new();
     let mut tests = 0;
     for scan in scans {
         scan.for_each_of(&side_by_side, &mut |gram, s| {
             tests += 1;
             let rank = gram.rank();
             if largest.len() <= rank {
-                largest.resize(rank + 1, [0.0; SIDE_BY_SIDE]);
+                largest.resize(rank + 1, Lanes::ZERO);
             }
-            for (largest, own) in largest[rank].iter_mut().zip(gram.statistics(s)) {
+            let own = gram.statistics(s);
+            for (largest, own) in largest[rank].0.iter_mut().zip(own.0) {
                 *largest = largest.max(own);
             }
         });
@@ -173,7 +178,7 @@ fn smallest_ln_p(
         let squares = dot(residuals, residuals);
         let of_ranks = largest.iter().enumerate();
         of_ranks
-            .map(|(rank, drops)| ln_f_test(drops[lane], squares, rank, degrees_of_freedom))
+            .map(|(rank, drops)| ln_f_test(drops.0[lane], squares, rank, degrees_of_freedom))
             .fold(0.0, f64::min)
     };
     (residuals.iter().enumerate().map(smallest).collect(), tests)

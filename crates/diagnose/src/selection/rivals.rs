@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use trueaxis_leastsquares::dot;
 
-use crate::selection::fixed_scan::gram;
+use crate::selection::gram_matrix::gram;
 use crate::selection::projection::combined;
 use crate::selection::{Projection, Score};
 

@@ -1,9 +1,9 @@
 //! A hypothesis with all its shapes.
 
 use trueaxis_effects::{Effect, Shape, Subject};
+use trueaxis_leastsquares::Lanes;
 
 use crate::selection::Gram;
-use crate::selection::dots::{SIDE_BY_SIDE, SideBySide};
 
 /// An effect of the catalogue on one subject.
 #[derive(Debug, Clone, Copy)]
@@ -46,7 +46,7 @@ pub(crate) struct Tried {
 pub(crate) type OfOne<'a> = dyn FnMut(Tried, &Gram, &[f64]) + 'a;
 
 /// What is called with a Gram matrix and `s = Xᵀ e` of several residuals, side by side.
-pub(crate) type OfSeveral<'a> = dyn FnMut(&Gram, &[[f64; SIDE_BY_SIDE]]) + 'a;
+pub(crate) type OfSeveral<'a> = dyn FnMut(&Gram, &[Lanes]) + 'a;
 
 /// A hypothesis, ready to be compared with residuals.
 pub(crate) trait Scan: Send + Sync {
@@ -57,7 +57,7 @@ pub(crate) trait Scan: Send + Sync {
     fn for_each(&self, residuals: &[f64], f: &mut OfOne<'_>);
 
     /// The same of several residuals at once.
-    fn for_each_of(&self, residuals: &SideBySide, f: &mut OfSeveral<'_>);
+    fn for_each_of(&self, residuals: &[Lanes], f: &mut OfSeveral<'_>);
 
     /// The columns of one shape, whitened, not projected.
     fn columns(&self, shape: f64) -> Vec<Vec<f64>>;

@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 use rayon::prelude::*;
 use trueaxis_leastsquares::{dot, in_widest_registers};
 
-use crate::selection::fixed_scan::gram_matrix_of;
+use crate::selection::gram_matrix::gram_matrix_of;
 use crate::selection::projection::{Taken, add};
 use crate::selection::{Gram, Projection};
 

@@ -14,9 +14,8 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use trueaxis_leastsquares::{dot, in_widest_registers};
+use trueaxis_leastsquares::{Lanes, dot, in_widest_registers, lanes_only};
 
-use crate::selection::dots::{SIDE_BY_SIDE, SideBySide, add_row};
 use crate::selection::scan::{OfOne, OfSeveral, Tried};
 use crate::selection::{Gram, Hypothesis, Projection, Scan, add, middle};
 
@@ -266,19 +265,21 @@ impl Scan for StepScan {
     }
 
     /// Those between visits: noise exceeds a threshold within one where it does at an end of it.
-    fn for_each_of(&self, residuals: &SideBySide, f: &mut OfSeveral<'_>) {
+    fn for_each_of(&self, residuals: &[Lanes], f: &mut OfSeveral<'_>) {
         let n = self.parameters;
-        let rows = residuals.rows();
-        let mut s = vec![[0.0; SIDE_BY_SIDE]; n];
-        let mut end = rows.len();
+        let mut s = vec![Lanes::ZERO; n];
+        let mut end = residuals.len();
         for instant in self.instants.iter().filter(|instant| instant.cut.is_none()) {
             let after = instant.first_row..end;
             in_widest_registers(
                 #[inline(always)]
                 || {
                     let by_rows = &self.by_rows[&0][n * after.start..n * after.end];
-                    for (x, e) in by_rows.chunks_exact(n).zip(&rows[after]) {
-                        s.iter_mut().zip(x).for_each(|(s, x)| add_row(s, e, *x));
+                    for (x, e) in by_rows.chunks_exact(n).zip(&residuals[after]) {
+                        for (s, x) in s.iter_mut().zip(x) {
+                            lanes_only();
+                            *s = Lanes::splat(*x).mul_add(*e, *s);
+                        }
                     }
                 },
             );

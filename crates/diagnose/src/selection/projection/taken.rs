@@ -1,14 +1,18 @@
 //! What the base model takes of columns, `(I - M) x`.
 
+use std::ops::Range;
+
+use nalgebra::{DMatrixView, DMatrixViewMut};
 use rayon::prelude::*;
 use trueaxis_leastsquares::{dot, in_widest_registers};
 
 use super::{Projection, add};
+use crate::selection::gram_matrix::{SEVERAL, add_products, concerned};
 
 /// Columns that are taken of together: rows of `O` and `T` are read once for all of them, some of them at a time, so that
 /// they stay near the processor.
-const TOGETHER: usize = 8;
-const ROWS_TOGETHER: usize = 128;
+const TOGETHER: usize = 32;
+const ROWS_TOGETHER: usize = 256;
 
 /// Columns of `T` whose sums stay in registers.
 const ABREAST: usize = 16;
@@ -39,10 +43,11 @@ impl Projection {
         let (own_width, width) = (self.groups * self.own_width, self.shared_width);
         let mut own = vec![0.0; columns.len() * own_width];
         let mut shared = vec![0.0; columns.len() * width];
-        let sums = parts_mut(&mut own, own_width).zip(parts_mut(&mut shared, width));
-        let mut sums: Vec<OfColumn<'_>> = columns.iter().copied().zip(sums).collect();
-        let some = sums.par_chunks_mut(TOGETHER);
-        some.for_each(|some| self.add_taken(some));
+        let of_owns = parts_mut(&mut own, TOGETHER * own_width);
+        let of_shared = parts_mut(&mut shared, TOGETHER * width);
+        let some = columns.chunks(TOGETHER).zip(of_owns.zip(of_shared));
+        let some: Vec<OfColumns<'_>> = some.collect();
+        some.into_par_iter().for_each(|some| self.add_taken(some));
         let mut through = Vec::with_capacity(shared.len());
         for k in 0..columns.len() {
             let own = &shared[k * width..(k + 1) * width];
@@ -60,24 +65,40 @@ impl Projection {
     }
 
     /// Takes of some columns, row after row of `O` and `T`.
-    fn add_taken(&self, columns: &mut [OfColumn<'_>]) {
-        in_widest_registers(
-            #[inline(always)]
-            || {
-                let mut first = 0;
-                while first < self.rows() {
-                    let rows = first..self.rows().min(first + ROWS_TOGETHER);
-                    first = rows.end;
-                    for (x, (own, shared)) in &mut *columns {
-                        let x = &x[rows.clone()];
-                        if x.iter().any(|x| *x != 0.0) {
-                            self.add_own(rows.start, x, own);
-                            self.add_shared(rows.start, x, shared);
-                        }
+    fn add_taken(&self, (columns, (own, shared)): OfColumns<'_>) {
+        let (own_width, width) = (self.groups * self.own_width, self.shared_width);
+        let concerned = concerned(columns);
+        let mut tile = Vec::new();
+        for first in concerned.clone().step_by(ROWS_TOGETHER) {
+            let rows = first..concerned.end.min(first + ROWS_TOGETHER);
+            in_widest_registers(
+                #[inline(always)]
+                || {
+                    for (x, own) in columns.iter().zip(parts_mut(own, own_width)) {
+                        self.add_own(first, &x[rows.clone()], own);
                     }
-                }
-            },
-        );
+                },
+            );
+            if columns.len() < SEVERAL {
+                in_widest_registers(
+                    #[inline(always)]
+                    || {
+                        for (x, shared) in columns.iter().zip(parts_mut(shared, width)) {
+                            self.add_shared(first, &x[rows.clone()], shared);
+                        }
+                    },
+                );
+            } else if width > 0 {
+                tile.clear();
+                columns
+                    .iter()
+                    .for_each(|x| tile.extend_from_slice(&x[rows.clone()]));
+                let x = DMatrixView::from_slice(&tile, rows.len(), columns.len());
+                let t = &self.shared[rows.start * width..rows.end * width];
+                let t = DMatrixView::from_slice(t, width, rows.len());
+                DMatrixViewMut::from_slice(shared, width, columns.len()).gemm(1.0, &t, &x, 1.0);
+            }
+        }
     }
 
     /// Adds what the groups take of the rows `x` of a column, the first of which is `first`.
@@ -108,13 +129,14 @@ impl Projection {
     }
 }
 
-/// A column, and what is taken of it: `Oᵀx` of each group, and `Tᵀx`.
-type OfColumn<'a> = (&'a [f64], (&'a mut [f64], &'a mut [f64]));
+/// Columns, and what is taken of them: `Oᵀx` of each group, and `Tᵀx`, column after column.
+type OfColumns<'a> = (&'a [&'a [f64]], (&'a mut [f64], &'a mut [f64]));
 
-/// Parts of equal length, as many as are asked for.
+/// Parts of equal length, but for the last one, as many as are asked for.
 fn parts_mut(mut rest: &mut [f64], length: usize) -> impl Iterator<Item = &mut [f64]> {
     std::iter::from_fn(move || {
-        let (part, others) = std::mem::take(&mut rest).split_at_mut_checked(length)?;
+        let all = std::mem::take(&mut rest);
+        let (part, others) = all.split_at_mut(length.min(all.len()));
         rest = others;
         Some(part)
     })
@@ -135,6 +157,11 @@ impl Taken {
         &self.own[k * self.own_width..(k + 1) * self.own_width]
     }
 
+    /// `Tᵀx`.
+    fn shared(&self, k: usize) -> &[f64] {
+        &self.shared[k * self.width..(k + 1) * self.width]
+    }
+
     /// `Σ Tᵀx`.
     pub(in crate::selection) fn through(&self, k: usize) -> &[f64] {
         &self.through[k * self.width..(k + 1) * self.width]
@@ -146,10 +173,24 @@ impl Taken {
         dot(own, of_group) + dot(shared, self.through(k))
     }
 
+    /// Adds `xᵀ (I - M) y` of each of some columns `x` with each `y` up to the last of them, which are counted from a first one.
+    pub(in crate::selection) fn add_products(
+        &self,
+        sum: &mut [f64],
+        x: Range<usize>,
+        first: usize,
+    ) {
+        let (x, y) = (first + x.start..first + x.end, first..first + x.end);
+        let of_groups = |all: Range<usize>| -> Vec<&[f64]> { all.map(|k| self.own(k)).collect() };
+        add_products(sum, (&of_groups(x.clone()), &of_groups(y.clone())));
+        let x: Vec<&[f64]> = x.map(|k| self.shared(k)).collect();
+        let y: Vec<&[f64]> = y.map(|k| self.through(k)).collect();
+        add_products(sum, (&x, &y));
+    }
+
     /// `xᵀ (I - M) y` of two of the columns.
     pub(crate) fn product(&self, i: usize, j: usize) -> f64 {
-        let shared = &self.shared[i * self.width..(i + 1) * self.width];
-        dot(self.own(i), self.own(j)) + dot(shared, self.through(j))
+        dot(self.own(i), self.own(j)) + dot(self.shared(i), self.through(j))
     }
 }
 
