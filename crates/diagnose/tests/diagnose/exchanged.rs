@@ -39,7 +39,7 @@ fn is_said(found: &Diagnosis) -> bool {
 }
 
 /// The waves differ by seven times the noise, so that a miss has no chance worth a number. At 1 % for each file more than one control
-/// of 24 alarms with a probability of 2 %, of six with one of 0.1 %.
+/// of 24 alarms with a probability of 2 %, of two with one of 0.01 %.
 fn assert_told(seeds: std::ops::Range<u64>) {
     let alarms = seeds.map(|seed| {
         let exchanged = line(seed, true, 0.0);
@@ -61,7 +61,7 @@ fn assert_told(seeds: std::ops::Range<u64>) {
 
 #[test]
 fn another_encoder_is_no_shift_alone() {
-    assert_told(0..3);
+    assert_told(0..1);
 }
 
 #[test]

@@ -115,12 +115,12 @@ fn study(seeds: std::ops::Range<u64>) -> [usize; 4] {
     [told, all, named, plain]
 }
 
-/// Of eight tables all are told (in the study 236 of 240 were).
+/// Of four tables all are told (in the study 236 of 240 were).
 #[test]
 fn lost_motion_that_changes_with_time_is_told() {
-    let [told, all, named, plain] = study(0..2);
+    let [told, all, named, plain] = study(0..1);
     assert_eq!((told, named), (all, plain));
-    assert!(plain >= 4, "{plain}");
+    assert!(plain >= 2, "{plain}");
 }
 
 #[test]

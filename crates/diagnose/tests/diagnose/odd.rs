@@ -232,7 +232,7 @@ fn a_way_back_that_is_named_as_the_way_there_is_said() {
             .iter()
             .any(|n| n.contains("direction is 1 in all rows"))
     };
-    for seed in 0..4 {
+    for seed in 0..2 {
         assert!(said(4.0, seed, &|_| 0.0, false));
         assert!(said(-4.0, seed, &|t| 20.0 * t, false));
         for walks in [false, true] {
