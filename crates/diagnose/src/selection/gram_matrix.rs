@@ -117,7 +117,8 @@ fn together(
     }
 }
 
-/// Adds `AᵀB`, column after column, of columns of the same length.
+/// Adds `AᵀB`, column after column, of columns of the same length. `A` is turned by hand: where rows do not lie next to each other,
+/// small products of `nalgebra` (0.35) reach beyond them.
 pub(in crate::selection) fn add_products(sum: &mut [f64], (a, b): (&[&[f64]], &[&[f64]])) {
     let length = b.first().map_or(0, |column| column.len());
     let (mut rows_of_a, mut columns_of_b) = (vec![0.0; ROWS * a.len()], Vec::new());

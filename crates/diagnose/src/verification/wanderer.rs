@@ -71,6 +71,30 @@ const FROM_CYCLE: f64 = 0.75;
 /// Stops of a period, at least: three of each half, as of the shortest correlation length.
 const STOPS_OF_PERIOD: f64 = 6.0;
 
+/// The functions of which the course of each coordinate consists.
+struct Basis {
+    form: Form,
+    waves: u32,
+    passes: usize,
+}
+
+impl Basis {
+    /// What each coefficient is multiplied by at an argument: `cos(πx), cos(2πx), ...` or sine and cosine of a swing from their means,
+    /// and where pauses are unknown one for the pass.
+    fn at(&self, x: f64, pass: usize) -> Vec<f64> {
+        let mut all: Vec<f64> = match self.form {
+            Form::Smooth { .. } => half_waves(x, self.waves).collect(),
+            Form::Swing(period) => {
+                let turn = TAU / period;
+                let (sine, cosine) = (turn * x).sin_cos();
+                vec![sine - (1.0 - turn.cos()) / turn, cosine - turn.sin() / turn]
+            }
+        };
+        all.extend((0..self.passes).map(|k| f64::from(u8::from(k == pass))));
+        all
+    }
+}
+
 /// What wanders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Wanderer {
@@ -207,26 +231,12 @@ impl Wanderer {
         }
     }
 
-    /// What each coefficient of a coordinate is multiplied by at an argument: `cos(πx), cos(2πx), ...` or sine and cosine of a
-    /// swing from their means, and where pauses are unknown one for the pass.
-    fn basis(self, comparison: &Comparison<'_>, form: Form, x: f64, pass: usize) -> Vec<f64> {
-        let mut basis: Vec<f64> = match form {
-            Form::Smooth { .. } => half_waves(x, self.waves(comparison)).collect(),
-            Form::Swing(period) => {
-                let turn = TAU / period;
-                let (sine, cosine) = (turn * x).sin_cos();
-                vec![sine - (1.0 - turn.cos()) / turn, cosine - turn.sin() / turn]
-            }
-        };
-        basis.extend((0..self.passes(comparison)).map(|k| f64::from(u8::from(k == pass))));
-        basis
-    }
-
     /// What a unit of each coefficient does to the readings, coordinate after coordinate; alike for all smooth forms: the offsets of the
     /// passes have a root of zero in those without pauses.
     pub(crate) fn columns(self, comparison: &Comparison<'_>, form: Form) -> Vec<Vec<f64>> {
+        let basis = self.basis(comparison, form);
         let rows = comparison.passes.iter().enumerate().map(|(row, &pass)| {
-            let basis = self.basis(comparison, form, self.argument(comparison, row), pass);
+            let basis = basis.at(self.argument(comparison, row), pass);
             let seen = self.seen(comparison, row);
             let products = seen.iter().flat_map(|x| basis.iter().map(move |b| x * b));
             products.collect::<Vec<f64>>()
@@ -236,6 +246,14 @@ impl Wanderer {
         (0..count)
             .map(|k| rows.iter().map(|row| row[k]).collect())
             .collect()
+    }
+
+    fn basis(self, comparison: &Comparison<'_>, form: Form) -> Basis {
+        Basis {
+            form,
+            waves: self.waves(comparison),
+            passes: self.passes(comparison),
+        }
     }
 
     /// Standard deviations of the coefficients, coordinate after coordinate; `S_k^½` of the waves.
@@ -293,20 +311,17 @@ impl Wanderer {
     /// Where its curve is shown, in the unit of its argument, with the basis there.
     pub(crate) fn shown(self, comparison: &Comparison<'_>, form: Form) -> Vec<(f64, Vec<f64>)> {
         let ([first, last], _) = self.range(comparison);
-        if self.passes(comparison) > 0 {
+        let basis = self.basis(comparison, form);
+        if basis.passes > 0 {
             let arrivals = comparison.arrivals.iter().zip(&comparison.passes);
             let at = |(arrival, &pass): (&Arrival, &usize)| {
-                let basis = self.basis(comparison, form, arrival.progress, pass);
-                (arrival.time_s, basis)
+                (arrival.time_s, basis.at(arrival.progress, pass))
             };
             return arrivals.map(at).collect();
         }
         let at = |k: u32| {
             let x = f64::from(k) / f64::from(POINTS - 1);
-            (
-                first + x * (last - first),
-                self.basis(comparison, form, x, 0),
-            )
+            (first + x * (last - first), basis.at(x, 0))
         };
         (0..POINTS).map(at).collect()
     }

@@ -20,21 +20,27 @@ const ABREAST: usize = 16;
 impl Projection {
     /// `x <- M x`.
     pub(crate) fn project(&self, x: &mut [f64]) {
-        let taken = self.taken_of_all([&*x]);
-        for (i, value) in x.iter_mut().enumerate() {
-            *value -= taken.at(0, self.group_of_row[i], self.own_row(i), self.shared_row(i));
-        }
+        self.project_all(&mut [x]);
     }
 
     /// The same of several, which read `O` and `T` together.
-    pub(in crate::selection) fn project_all(&self, columns: &mut [Vec<f64>]) {
-        let taken = self.taken_of_all(columns.iter().map(Vec::as_slice));
-        for i in 0..self.rows() {
-            let (own, shared) = (self.own_row(i), self.shared_row(i));
-            for (k, column) in columns.iter_mut().enumerate() {
-                column[i] -= taken.at(k, self.group_of_row[i], own, shared);
-            }
-        }
+    pub(in crate::selection) fn project_all(
+        &self,
+        columns: &mut [impl AsRef<[f64]> + AsMut<[f64]>],
+    ) {
+        let taken = self.taken_of_all(columns.iter().map(AsRef::as_ref));
+        in_widest_registers(
+            #[inline(always)]
+            || {
+                for i in 0..self.rows() {
+                    let (group, own, shared) =
+                        (self.group_of_row[i], self.own_row(i), self.shared_row(i));
+                    for (k, column) in columns.iter_mut().enumerate() {
+                        column.as_mut()[i] -= taken.at(k, group, own, shared);
+                    }
+                }
+            },
+        );
     }
 
     /// What the base model takes of each of some whitened columns.
@@ -168,6 +174,7 @@ impl Taken {
     }
 
     /// `(I - M) x` in a row of `O` and `T`.
+    #[inline(always)]
     fn at(&self, k: usize, group: usize, own: &[f64], shared: &[f64]) -> f64 {
         let of_group = &self.own(k)[group * own.len()..][..own.len()];
         dot(own, of_group) + dot(shared, self.through(k))
