@@ -41,7 +41,7 @@ pub(crate) const MOST: f64 = 0.03;
 pub(crate) const MOST_IN_A_ROW: usize = 2;
 
 /// More than a few are slips all the same if each stands alone, as far off as this in standard uncertainties, and they are no more than
-/// one in so many.
+/// one in ten.
 const PLAINLY: f64 = 20.0;
 const ONE_IN: usize = 10;
 

@@ -72,13 +72,13 @@ const FROM_CYCLE: f64 = 0.75;
 const STOPS_OF_PERIOD: f64 = 6.0;
 
 /// The functions of which the course of each coordinate consists.
-struct Basis {
+struct Functions {
     form: Form,
     waves: u32,
     passes: usize,
 }
 
-impl Basis {
+impl Functions {
     /// What each coefficient is multiplied by at an argument: `cos(πx), cos(2πx), ...` or sine and cosine of a swing from their means,
     /// and where pauses are unknown one for the pass.
     fn at(&self, x: f64, pass: usize) -> Vec<f64> {
@@ -234,9 +234,9 @@ impl Wanderer {
     /// What a unit of each coefficient does to the readings, coordinate after coordinate; alike for all smooth forms: the offsets of the
     /// passes have a root of zero in those without pauses.
     pub(crate) fn columns(self, comparison: &Comparison<'_>, form: Form) -> Vec<Vec<f64>> {
-        let basis = self.basis(comparison, form);
+        let functions = self.functions(comparison, form);
         let rows = comparison.passes.iter().enumerate().map(|(row, &pass)| {
-            let basis = basis.at(self.argument(comparison, row), pass);
+            let basis = functions.at(self.argument(comparison, row), pass);
             let seen = self.seen(comparison, row);
             let products = seen.iter().flat_map(|x| basis.iter().map(move |b| x * b));
             products.collect::<Vec<f64>>()
@@ -248,8 +248,8 @@ impl Wanderer {
             .collect()
     }
 
-    fn basis(self, comparison: &Comparison<'_>, form: Form) -> Basis {
-        Basis {
+    fn functions(self, comparison: &Comparison<'_>, form: Form) -> Functions {
+        Functions {
             form,
             waves: self.waves(comparison),
             passes: self.passes(comparison),
@@ -311,17 +311,17 @@ impl Wanderer {
     /// Where its curve is shown, in the unit of its argument, with the basis there.
     pub(crate) fn shown(self, comparison: &Comparison<'_>, form: Form) -> Vec<(f64, Vec<f64>)> {
         let ([first, last], _) = self.range(comparison);
-        let basis = self.basis(comparison, form);
-        if basis.passes > 0 {
+        let functions = self.functions(comparison, form);
+        if functions.passes > 0 {
             let arrivals = comparison.arrivals.iter().zip(&comparison.passes);
             let at = |(arrival, &pass): (&Arrival, &usize)| {
-                (arrival.time_s, basis.at(arrival.progress, pass))
+                (arrival.time_s, functions.at(arrival.progress, pass))
             };
             return arrivals.map(at).collect();
         }
         let at = |k: u32| {
             let x = f64::from(k) / f64::from(POINTS - 1);
-            (first + x * (last - first), basis.at(x, 0))
+            (first + x * (last - first), functions.at(x, 0))
         };
         (0..POINTS).map(at).collect()
     }

@@ -39,8 +39,8 @@ fn is_said(found: &Diagnosis) -> bool {
 }
 
 /// The waves differ by seven times the noise, so that a miss has no chance worth a number. At 1 % for each file more than one control
-/// of 24 alarms with a probability of 2 %, of two with one of 0.01 %.
-fn assert_told(seeds: std::ops::Range<u64>) {
+/// of 24 alarms with a probability of 2 %, one of two with the same.
+fn assert_told(seeds: std::ops::Range<u64>, most: usize) {
     let alarms = seeds.map(|seed| {
         let exchanged = line(seed, true, 0.0);
         assert!(is_said(&exchanged), "{seed}: {:?}", exchanged.unexplained);
@@ -56,16 +56,16 @@ fn assert_told(seeds: std::ops::Range<u64>) {
         controls.iter().filter(|found| is_said(found)).count()
     });
     let alarms: usize = alarms.sum();
-    assert!(alarms <= 1, "{alarms}");
+    assert!(alarms <= most, "{alarms}");
 }
 
 #[test]
 fn another_encoder_is_no_shift_alone() {
-    assert_told(0..1);
+    assert_told(0..1, 0);
 }
 
 #[test]
 #[ignore = "study: 36 diagnoses"]
 fn another_encoder_is_never_a_shift_alone() {
-    assert_told(0..12);
+    assert_told(0..12, 1);
 }

@@ -152,7 +152,7 @@ fn what_lines_have_in_common_is_one_cause_in_300() {
 
 /// Forty lines that each show next to nothing of what is common to them (λ = 1.1): with one size for all it is found (λ = 7),
 /// held out with one size it gains, and no line is left without it for explaining less than noise does. For a true rate of
-/// 95 % none of 2 comes with a probability of 0.3 %.
+/// 95 % fewer than 2 of 3 come with a probability of 0.7 %.
 #[test]
 fn what_many_lines_hardly_show_is_found_in_all() {
     let lambda = 7.0 / 40.0_f64.sqrt();
@@ -162,8 +162,8 @@ fn what_many_lines_hardly_show_is_found_in_all() {
         report(&format!("40 lines, {seed}: {}", summary(&found)));
         only(&found, 40).is_some_and(|cause| cause.effect.effect.id == "backlash")
     };
-    let right = (0..2_u64).into_par_iter().filter(is_right).count();
-    assert!(right >= 1, "{right} of 2");
+    let right = (0..3_u64).into_par_iter().filter(is_right).count();
+    assert!(right >= 2, "{right} of 3");
 }
 
 /// Lines whose lost motion differs by 6 %, ten times its uncertainty in each: one cause, which says that they differ.
