@@ -13,6 +13,7 @@
 //! - [`beside`]: what wanders in a course that nobody knows joins the covariance.
 //! - [`omnibus`]: whether anything is left at all, and what it varies with ([`unexplained`]).
 //! - [`left_out`]: gross errors leave before the search, and come back if the causes explain them.
+//! - [`named`]: which of the causes explain enough of what is there.
 //! - [`held_out`]: the gain on sweeps, and on whole stations, that the model was not fitted to.
 
 mod adjusted;
@@ -22,6 +23,7 @@ mod fitted;
 mod held_out;
 mod left_out;
 mod measured;
+mod named;
 mod noise_floor;
 mod not_observable;
 mod omnibus;

@@ -34,7 +34,7 @@ mod step_scan;
 
 pub(crate) use f_test::{f_test, ln_f_test};
 pub(crate) use fixed_scan::{FixedScan, middle};
-pub(crate) use gram::Gram;
+pub(crate) use gram::{Gram, restricted_likelihood};
 pub(crate) use gram_matrix::{gram as gram_of, gram_matrix};
 pub(crate) use null::Null;
 pub(crate) use projection::{Projection, add, combined};

@@ -7,6 +7,7 @@
 mod adjust;
 mod curvature;
 mod decompositions;
+mod eigenvalues_along;
 mod linearised;
 mod model;
 mod residual;
@@ -19,6 +20,7 @@ use nalgebra::DMatrix;
 
 pub use adjust::{Adjusted, Settings, adjust};
 pub use decompositions::{relative_singular_value, symmetric_eigen};
+pub use eigenvalues_along::eigenvalues_along;
 pub use model::Model;
 pub use svd::Svd;
 pub use termination::Termination;

@@ -4,7 +4,8 @@
 //! covariance; the other begins with what wanders. They, and what wanders alone, are compared in the same noise by
 //! their whole evidence. A form that can be anything is believed less than one of the catalogue, and every further
 //! name costs: a cause is charged [`DECISIVE`], odds of 20 to 1, and a disturbance twice that. So a drift is a drift
-//! though something that wanders might have done it, and three stacked causes do not beat one disturbance.
+//! though something that wanders might have done it, and three stacked causes do not beat one disturbance. Where causes leave
+//! nothing to what wanders, only a single disturbance can take their place.
 //!
 //! A cause in time that leaves a tenth of what it explains to a disturbance of the same thing does not describe how
 //! that thing moves, and loses its name ([`is_of`]). So does one whose statistic is less than a twentieth of the evidence that the
@@ -15,14 +16,14 @@ use trueaxis_effects::Layer;
 use crate::Error;
 use crate::engine::disturbance::{Wanderer, Who, With};
 use crate::engine::wandering::{
-    JudgedDisturbance, MOST, Wanders, disturbances, is_tried, judge_all, least, of_wandering,
-    one_by_one, wandering, wandering_of,
+    JudgedDisturbance, Wanders, disturbances, is_tried, judge_all, least, of_wandering, one_by_one,
+    wandering, wandering_of,
 };
 use crate::engine::{
     Culprit, Culprits, Found, Omnibus, SHAPE_ERROR, Search, Suspect, find_causes, scan, scans,
     settle,
 };
-use crate::selection::{DECISIVE, Hypothesis, Null, Projection, rank};
+use crate::selection::{DECISIVE, Hypothesis, Null, rank};
 
 /// Without causes and with omnibus tests above this nothing wanders that would be significant.
 const WORTH_A_LOOK: f64 = 0.05;
@@ -67,9 +68,8 @@ pub(crate) fn compete<D: Wanders>(
         },
     );
     let (one_by_one, beside) = (one_by_one?, beside?);
-    // Where causes explain all, what wanders must do it alone to be better.
     let is_complete = !suspects.is_empty() && beside.is_empty() && search.left <= 0.0;
-    if is_complete && is_too_dear(base, &one_by_one, &search)? {
+    if is_complete && beat_each(base, &search, &one_by_one)? {
         return Ok(of_causes(search));
     }
     let alternated = |first| described(base, alternated(base, first, candidates)?, candidates);
@@ -102,32 +102,18 @@ pub(crate) fn compete<D: Wanders>(
     Ok(model)
 }
 
-/// The likelihood ratio of what is not significant beside causes that explain all, for each disturbance: what wanders alone
-/// explains no more than they do and this.
-const NOT_SIGNIFICANT: f64 = 14.0;
-
-/// What is left of what the first disturbance costs when others have joined it, at the least: hardly less was seen than
-/// what it costs alone, since what they take from it they cost themselves.
-const STILL_PAID: f64 = 0.5;
-
-/// Whether what wanders alone has less evidence than causes that explain all, whichever of disturbances judged one by one
-/// is first and whatever joins it, since it costs so much more to be able to be anything.
-fn is_too_dear<D: Wanders>(
+/// Whether causes that explain all have more evidence than each disturbance alone. Several that together do what a form of the
+/// catalogue does down to the noise are not asked: that would be a coincidence.
+fn beat_each<D: Wanders>(
     base: &D,
-    one_by_one: &[JudgedDisturbance],
     search: &Search<D::Model>,
+    one_by_one: &[JudgedDisturbance],
 ) -> Result<bool, Error> {
     let plain = base.adjust(Vec::new(), Some(D::noise(&search.adjusted)))?;
-    let before = D::projection(&plain);
-    let price = |(evidence, with): (f64, Projection)| {
-        before.degrees_of_freedom * (before.squares() / with.squares()).ln() - evidence
-    };
+    let of_causes = charged(base, &plain, &search.found, &[]);
     let may_be_first = |(k, own): &(usize, &JudgedDisturbance)| *k == 0 || is_tried(base, own);
-    let first = one_by_one.iter().enumerate().filter(may_be_first);
-    let first = first.map(|(_, own)| price(of_wandering(base, &plain, std::slice::from_ref(own))));
-    let least_of_wandering = first.fold(f64::INFINITY, f64::min);
-    let of_causes = price(of_model(base, &plain, &search.found, &[]));
-    Ok(STILL_PAID * least_of_wandering > of_causes + MOST as f64 * NOT_SIGNIFICANT)
+    let mut first = one_by_one.iter().enumerate().filter(may_be_first);
+    Ok(first.all(|(_, own)| charged(base, &plain, &[], std::slice::from_ref(own)) <= of_causes))
 }
 
 /// Adds to causes the disturbances that may have been there instead: of the same thing, and with more evidence. A rival may have
@@ -226,11 +212,8 @@ fn better<D: Wanders>(
 ) -> Result<Competed<D>, Error> {
     let noises = [&first, &second].map(|m| D::noise(&m.search.adjusted));
     let plain = base.adjust(Vec::new(), least::<D>(noises.into_iter()))?;
-    let evidences = [&first, &second].map(|model| {
-        let names = model.search.found.len() + 2 * model.wandering.len();
-        let (evidence, _) = of_model(base, &plain, &model.search.found, &model.wandering);
-        evidence - DECISIVE * names.saturating_sub(1) as f64
-    });
+    let evidences =
+        [&first, &second].map(|model| charged(base, &plain, &model.search.found, &model.wandering));
     Ok(match evidences[1] > evidences[0] {
         true => second,
         false => first,
@@ -238,26 +221,28 @@ fn better<D: Wanders>(
 }
 
 /// Twice the logarithm of the marginal likelihood ratio of causes and what wanders beside them against the model without
-/// anything, and the projection with all.
-fn of_model<D: Wanders>(
+/// anything, less what every further name costs.
+fn charged<D: Wanders>(
     base: &D,
     plain: &D::Model,
     causes: &[Found],
     wandering: &[JudgedDisturbance],
-) -> (f64, Projection) {
-    let (mut sum, projection) = of_wandering(base, plain, wandering);
+) -> f64 {
+    let names = causes.len() + 2 * wandering.len();
+    let (mut evidence, projection) = of_wandering(base, plain, wandering);
+    evidence -= DECISIVE * names.saturating_sub(1) as f64;
     let mut adjusted = D::with(plain, projection);
     for found in causes {
         let hypothesis = found.suspect.hypothesis;
         if let Some(scan) = scan(base, &adjusted, D::projection(&adjusted), hypothesis) {
             let score = rank(D::projection(&adjusted), std::slice::from_ref(&scan));
-            sum += score.first().map_or(0.0, |score| score.evidence);
+            evidence += score.first().map_or(0.0, |score| score.evidence);
             let columns = base.columns(&adjusted)(&hypothesis, found.suspect.shape);
             let extended = D::projection(&adjusted).extended(&columns);
             adjusted = D::with(&adjusted, extended);
         }
     }
-    (sum, D::projection(&adjusted).clone())
+    evidence
 }
 
 /// Only what wanders.

@@ -6,7 +6,7 @@
 
 use trueaxis_leastsquares::chi_squared_upper_tail;
 
-use crate::selection::{Gram, Projection, dot, gram_matrix, mean_evidence};
+use crate::selection::{Projection, dot, gram_matrix, mean_evidence, restricted_likelihood};
 
 /// Family-wise level of all that may wander in a set of data.
 pub(crate) const SMOOTH_LEVEL: f64 = 0.002;
@@ -60,8 +60,7 @@ impl Smooth {
                 .collect();
             let before: Vec<f64> = before.iter().zip(roots).map(|(b, r)| b * r * r).collect();
             let s: Vec<f64> = along.iter().zip(roots).map(|(s, r)| s * r).collect();
-            let gram = Gram::new(&scaled, &before);
-            let (variance, ratio) = gram.restricted_likelihood(&s, dof);
+            let (variance, ratio) = restricted_likelihood(&scaled, &before, &s, dof);
             (spectrum, variance, ratio)
         });
         let fits: Vec<(usize, f64, f64)> = fits.collect();

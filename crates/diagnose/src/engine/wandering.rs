@@ -136,7 +136,7 @@ pub(crate) fn wandered_mm<D: Wanders>(
 }
 
 /// More that wander at once cannot be separated.
-pub(crate) const MOST: usize = 3;
+const MOST: usize = 3;
 
 /// A size rests that changes by less than this part of itself beside the others: what it leaves hardly depends on it.
 const RESTS: f64 = 0.1;

@@ -80,12 +80,11 @@ impl LeftOut {
     }
 }
 
-/// The numbers of the readings that stay left out once the causes are known (ascending).
-pub(crate) fn still_left_out(base: &Base<'_>, adjusted: &Adjusted) -> Vec<usize> {
-    let gross = base
-        .left_out
-        .iter()
-        .filter(|l| !l.is_explained(base, adjusted));
+/// The numbers of those of some readings that stay left out beside the causes of a model (ascending): those that they do not
+/// explain; without causes all.
+pub(crate) fn still_left_out(all: &[LeftOut], base: &Base<'_>, adjusted: &Adjusted) -> Vec<usize> {
+    let is_gross = |l: &&LeftOut| adjusted.suspects.is_empty() || !l.is_explained(base, adjusted);
+    let gross = all.iter().filter(is_gross);
     gross.map(|left_out| left_out.number).collect()
 }
 

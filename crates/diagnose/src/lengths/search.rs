@@ -2,31 +2,25 @@
 
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::{Level, Subject};
-use trueaxis_multilateration::Noise;
 use trueaxis_poses::{LengthsAdjustment, network_from_campaign};
 
 use crate::engine::{
-    Candidates, Competed, Found, HeldOut, JudgedDisturbance, Omnibus, Suspect, Wanders,
-    add_rival_disturbances, cause, compete, find_causes, is_tested, of_catalogue, only_wandering,
-    scans, untested, wandered, wandered_mm, whitened_columns,
+    Candidates, HeldOut, Omnibus, Search, Suspect, Wanders, add_rival_disturbances, cause, compete,
+    find_causes, is_tested, of_catalogue, scans, untested, wandered, wandered_mm, whitened_columns,
 };
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::fitted::fitted;
 use crate::lengths::held_out::{held_out_stations, held_out_sweeps};
 use crate::lengths::left_out::{are_in_a_row, still_left_out};
+use crate::lengths::named::{Named, left_alone, named};
 use crate::lengths::noise_floor::{mean_noise_um, noise_floor_um};
 use crate::lengths::not_observable::not_observable;
 use crate::lengths::omnibus::omnibus;
 use crate::lengths::places::places;
-use crate::lengths::unexplained::unexplained_part;
 use crate::said::{Entry, Said};
-use crate::selection::{Null, Part};
-use crate::{Error, Gain, LevelReport, Misfit, NotObservable, Shares, Unexplained};
-
-/// Causes are named if they explain more than this part of the structure beside what wanders: a remainder takes
-/// no name away, but what is a small part of something else is no cause.
-const LEAST: f64 = 0.25;
+use crate::selection::{Hypothesis, Null, Part};
+use crate::{Error, Gain, LevelReport, Misfit, NotObservable, Shares};
 
 /// Finds what the lengths contradict in the rigid, quasi-static model, and why, from the adjustment of their
 /// calibration; and what causes and disturbances do to every reading of the campaign, mm.
@@ -35,20 +29,7 @@ pub(crate) fn diagnose_lengths(
     lengths: &Lengths,
     adjustment: Option<&LengthsAdjustment<'_>>,
 ) -> Result<(Said, Vec<f64>), Error> {
-    let mut base = Base::new(campaign, lengths, adjustment)?;
-    let mut looked = look(&base)?;
-    let gross = if are_in_a_row(&base, lengths) {
-        Vec::new()
-    } else if looked.named.found.is_empty() {
-        base.left_out.iter().map(|l| l.number).collect()
-    } else {
-        still_left_out(&base, &looked.named.adjusted)
-    };
-    if gross.len() < base.left_out.len() {
-        let all = network_from_campaign(campaign, lengths, false);
-        base = Base::leaving_out(campaign, lengths, all, &gross, Some(&base.start))?;
-        looked = look(&base)?;
-    }
+    let (base, looked) = looked_at(Base::new(campaign, lengths, adjustment)?, lengths)?;
     let Looked {
         plain,
         before,
@@ -173,13 +154,45 @@ pub(crate) fn diagnose_lengths(
     Ok((said, effects_mm))
 }
 
+/// The lengths, and what the search finds in them. Readings that were left out as gross errors come back where they are
+/// too many in a row, or where a cause explains them.
+fn looked_at<'a>(
+    mut base: Base<'a>,
+    lengths: &'a Lengths,
+) -> Result<(Base<'a>, Looked<'a>), Error> {
+    let campaign = base.campaign;
+    let leaving_out = |base: &Base<'a>, gross: &[usize]| {
+        let all = network_from_campaign(campaign, lengths, false);
+        Base::leaving_out(campaign, lengths, all, gross, Some(&base.start))
+    };
+    if are_in_a_row(&base, lengths) {
+        base = leaving_out(&base, &[])?;
+    }
+    let suspicious = base.left_out.clone();
+    let mut searched = Searched::of(&base)?;
+    // Asked before what wanders is looked for, which takes longest.
+    let gross = still_left_out(&suspicious, &base, &searched.search.adjusted);
+    if gross.len() != base.left_out.len() {
+        base = leaving_out(&base, &gross)?;
+        searched = Searched::of(&base)?;
+    }
+    let mut looked = searched.look(&base)?;
+    // The causes may have become others.
+    let gross = still_left_out(&suspicious, &base, &looked.named.adjusted);
+    if gross.len() != base.left_out.len() {
+        base = leaving_out(&base, &gross)?;
+        looked = Searched::of(&base)?.look(&base)?;
+    }
+    Ok((base, looked))
+}
+
 /// What the search finds in the lengths of a base.
-pub(crate) struct Looked<'a> {
+struct Looked<'a> {
     /// The model without causes.
-    pub(crate) plain: Adjusted,
+    plain: Adjusted,
     /// The tests of what it leaves.
     before: Vec<Omnibus>,
-    pub(crate) named: Named<'a>,
+    named: Named<'a>,
     not_observable: Vec<NotObservable>,
 }
 
@@ -187,129 +200,72 @@ pub(crate) struct Looked<'a> {
 /// the adjustment, and no cause is looked for in it.
 const RESOLUTION_UM: f64 = 1e-3;
 
-/// Tests, searches and names.
-pub(crate) fn look<'a>(base: &Base<'a>) -> Result<Looked<'a>, Error> {
-    let plain = base.adjust(Vec::new(), None)?;
-    let residuals_um = plain.solution.residuals_mm.iter().map(|r| 1e3 * r);
-    let squares: f64 = residuals_um.map(|r| r * r).sum();
-    let is_exact = squares < RESOLUTION_UM.powi(2) * plain.projection.degrees_of_freedom;
-    let before = match is_exact {
-        true => Vec::new(),
-        false => omnibus(base, &plain),
-    };
-    // Poses take every coupling of axes; where runs differ, they are compared (`crate::runs`).
-    let is_pose = |s: &Subject| s.other_axis.is_some() && s.component.is_some();
-    let is_wanted = |s: &Subject| !is_pose(s) && is_tested(base.campaign, s);
-    let all = of_catalogue(Level::Lengths, &base.scene, is_wanted);
-    let first = scans(base, &plain, &plain.projection, &all);
-    let scans = match is_exact {
-        true => &[],
-        false => first.scans.as_slice(),
-    };
-    let null = Null::simulated(&plain.projection, scans);
-    let sides = || base.readings.iter().map(|r| r.direction);
-    let both_sides = sides().any(|side| Some(side) != sides().next());
-    let bare = base.adjust(Vec::new(), Some(plain.network.noise))?;
-    let search = find_causes(base, bare, &all, scans, &null)?;
-    let candidates = Candidates {
-        all: &all,
-        null: &null,
-    };
-    let model = compete(base, &before, search, &candidates)?;
-    Ok(Looked {
-        named: named(base, model, plain.network.noise, &before)?,
-        before,
-        not_observable: [
-            not_observable(&base.scene, &first.without_trace, both_sides),
-            untested(Level::Lengths, base.campaign, &base.scene),
-        ]
-        .concat(),
-        plain,
-    })
+/// Causes of the lengths of a base as if nothing wandered.
+struct Searched {
+    /// The model without causes.
+    plain: Adjusted,
+    /// The tests of what it leaves.
+    before: Vec<Omnibus>,
+    all: Vec<Hypothesis>,
+    null: Null,
+    search: Search<Adjusted>,
+    not_observable: Vec<NotObservable>,
 }
 
-/// The causes that are named, the model with them and what wanders beside them, and what they leave.
-pub(crate) struct Named<'a> {
-    /// The lengths, what wanders in their covariance.
-    base: Base<'a>,
-    pub(crate) found: Vec<Found>,
-    wandering: Vec<JudgedDisturbance>,
-    pub(crate) adjusted: Adjusted,
-    after: Vec<Omnibus>,
-    unexplained: Option<Unexplained>,
-}
-
-impl Named<'_> {
-    fn is_plain(&self) -> bool {
-        self.found.is_empty() && self.wandering.is_empty()
+impl Searched {
+    /// Tests and searches.
+    fn of(base: &Base<'_>) -> Result<Self, Error> {
+        let plain = base.adjust(Vec::new(), None)?;
+        let residuals_um = plain.solution.residuals_mm.iter().map(|r| 1e3 * r);
+        let squares: f64 = residuals_um.map(|r| r * r).sum();
+        let is_exact = squares < RESOLUTION_UM.powi(2) * plain.projection.degrees_of_freedom;
+        let before = match is_exact {
+            true => Vec::new(),
+            false => omnibus(base, &plain),
+        };
+        // Poses take every coupling of axes; where runs differ, they are compared (`crate::runs`).
+        let is_pose = |s: &Subject| s.other_axis.is_some() && s.component.is_some();
+        let is_wanted = |s: &Subject| !is_pose(s) && is_tested(base.campaign, s);
+        let all = of_catalogue(Level::Lengths, &base.scene, is_wanted);
+        let first = scans(base, &plain, &plain.projection, &all);
+        let scans = match is_exact {
+            true => &[],
+            false => first.scans.as_slice(),
+        };
+        let null = Null::simulated(&plain.projection, scans);
+        let sides = || base.readings.iter().map(|r| r.direction);
+        let both_sides = sides().any(|side| Some(side) != sides().next());
+        let bare = base.adjust(Vec::new(), Some(plain.network.noise))?;
+        let search = find_causes(base, bare, &all, scans, &null)?;
+        Ok(Self {
+            not_observable: [
+                not_observable(&base.scene, &first.without_trace, both_sides),
+                untested(Level::Lengths, base.campaign, &base.scene),
+            ]
+            .concat(),
+            plain,
+            before,
+            all,
+            null,
+            search,
+        })
     }
-}
 
-/// Names the causes of a model if they explain most of the structure beside what wanders; none otherwise. `before`
-/// are the tests of what a model without any leaves, in the noise `plain`.
-fn named<'a>(
-    base: &Base<'a>,
-    model: Competed<Base<'a>>,
-    plain: Noise,
-    before: &[Omnibus],
-) -> Result<Named<'a>, Error> {
-    let Competed {
-        base: here,
-        search,
-        wandering,
-    } = model;
-    let mut named = Named {
-        after: match search.found.is_empty() && wandering.is_empty() {
-            true => before.to_vec(),
-            false => omnibus(&here, &search.adjusted),
-        },
-        base: here,
-        found: search.found,
-        wandering,
-        adjusted: search.adjusted,
-        unexplained: None,
-    };
-    let is_left = named.after.iter().any(Omnibus::is_clear);
-    if !is_left && search.left <= 0.0 {
-        return Ok(named);
+    /// What wanders beside the causes or instead of them, and their names.
+    fn look<'a>(self, base: &Base<'a>) -> Result<Looked<'a>, Error> {
+        let Self { plain, before, .. } = self;
+        let candidates = Candidates {
+            all: &self.all,
+            null: &self.null,
+        };
+        let model = compete(base, &before, self.search, &candidates)?;
+        Ok(Looked {
+            named: named(base, model, plain.network.noise, &before)?,
+            plain,
+            before,
+            not_observable: self.not_observable,
+        })
     }
-    let explained: f64 = named.found.iter().map(|f| f.statistic).sum();
-    let excesses = named.after.iter().map(|t| t.excess);
-    let share = explained / (explained + excesses.fold(search.left, f64::max));
-    let closest = named.found.first().map(|f| (f.suspect.clone(), share));
-    if closest.is_some() && share < LEAST {
-        named = left_alone(base, plain, before)?;
-        // Even if no single test is sure, what several effects share is there.
-        let part = unexplained_part(&named.base, &named.adjusted, &named.after, closest.as_ref());
-        named.unexplained = Some(part);
-    } else if is_left {
-        let part = unexplained_part(&named.base, &named.adjusted, &named.after, None);
-        named.unexplained = Some(part);
-    }
-    Ok(named)
-}
-
-/// Without any cause: what wanders, and what the omnibus tests find beside it is unexplained.
-fn left_alone<'a>(base: &Base<'a>, plain: Noise, before: &[Omnibus]) -> Result<Named<'a>, Error> {
-    let model = only_wandering(base)?;
-    let is_plain = model.wandering.is_empty();
-    let adjusted = match is_plain {
-        true => base.adjust(Vec::new(), Some(plain))?,
-        false => model.search.adjusted,
-    };
-    let after = match is_plain {
-        true => before.to_vec(),
-        false => omnibus(&model.base, &adjusted),
-    };
-    let is_left = after.iter().any(Omnibus::is_clear);
-    Ok(Named {
-        found: Vec::new(),
-        unexplained: is_left.then(|| unexplained_part(&model.base, &adjusted, &after, None)),
-        base: model.base,
-        wandering: model.wandering,
-        adjusted,
-        after,
-    })
 }
 
 /// For every reading of the campaign what the causes and what wanders do to it, mm. Readings that were left out keep

@@ -1,7 +1,7 @@
 //! `G = Xᵀ M X` of a hypothesis in its eigenvectors.
 
 use nalgebra::DMatrix;
-use trueaxis_leastsquares::dense::symmetric_eigen;
+use trueaxis_leastsquares::dense::{eigenvalues_along, symmetric_eigen};
 use trueaxis_leastsquares::{Lanes, in_widest_registers, lanes_only};
 
 /// The directions of the parameters that the data can see.
@@ -25,7 +25,7 @@ impl Gram {
     /// From `G` (square, rows one after the other) and the squares `|X_k|²` before the projection.
     pub(crate) fn new(gram: &[f64], before: &[f64]) -> Self {
         let n = before.len();
-        let limit = VISIBLE * before.iter().fold(0.0_f64, |max, &b| max.max(b));
+        let limit = limit(before);
         let mut new = Self {
             values: Vec::new(),
             vectors: Vec::new(),
@@ -163,22 +163,39 @@ impl Gram {
         estimates
     }
 
-    /// With that prior and the variance of the noise as likely as can be (restricted maximum likelihood): `w²` and `2 ln` of the likelihood
-    /// ratio `max_w -ν ln(1 - Σ z² x/(1 + x)/ν) - Σ ln(1 + x)`, `x = w² g`, where all squares have `ν` degrees of freedom and are as many.
-    pub(crate) fn restricted_likelihood(&self, s: &[f64], dof: f64) -> (f64, f64) {
-        best_width(&self.coordinates(s), |gained, ln_price| {
-            -dof * (1.0 - gained / dof).max(f64::MIN_POSITIVE).ln() - ln_price
-        })
-    }
-
-    fn coordinates(&self, s: &[f64]) -> Vec<(f64, f64)> {
-        self.standardised(s).collect()
-    }
-
     /// `w²` and `2 ln` of the marginal likelihood ratio there.
     fn most_likely_width(&self, s: &[f64]) -> (f64, f64) {
-        best_width(&self.coordinates(s), |gained, ln_price| gained - ln_price)
+        let coordinates: Vec<(f64, f64)> = self.standardised(s).collect();
+        best_width(&coordinates, |gained, ln_price| gained - ln_price)
     }
+}
+
+/// What an eigenvalue must exceed, where the squares of the columns are these before the projection.
+fn limit(before: &[f64]) -> f64 {
+    VISIBLE * before.iter().fold(0.0_f64, |max, &b| max.max(b))
+}
+
+/// With a prior `N(0, w² I)` of the parameters and the variance of the noise as likely as can be (restricted maximum likelihood): `w²` and
+/// `2 ln` of the likelihood ratio `max_w -ν ln(1 - Σ z² x/(1 + x)/ν) - Σ ln(1 + x)`, `x = w² g`, where all squares have `ν` degrees of
+/// freedom and are as many. `G`, its columns' squares before the projection, and `s` as in [`Gram`], which needs eigenvectors and so
+/// takes longer.
+pub(crate) fn restricted_likelihood(
+    gram: &[f64],
+    before: &[f64],
+    s: &[f64],
+    dof: f64,
+) -> (f64, f64) {
+    let (n, limit) = (before.len(), limit(before));
+    if limit <= 0.0 {
+        return (0.0, 0.0);
+    }
+    let element = |i: usize, j: usize| 0.5 * (gram[i * n + j] + gram[j * n + i]);
+    let all = eigenvalues_along(s, element).unwrap_or_default();
+    let seen = all.into_iter().filter(|(value, _)| *value > limit);
+    let seen: Vec<(f64, f64)> = seen.map(|(g, along)| (g, along / g.sqrt())).collect();
+    best_width(&seen, |gained, ln_price| {
+        -dof * (1.0 - gained / dof).max(f64::MIN_POSITIVE).ln() - ln_price
+    })
 }
 
 /// The variance of the prior where a likelihood of what it gains and what it costs is largest, and that.

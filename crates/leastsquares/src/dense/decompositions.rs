@@ -6,7 +6,7 @@ use super::svd::Svd;
 use crate::Error;
 
 /// Steps for each eigenvalue; two or three are usual.
-const STEPS: usize = 100;
+pub(super) const STEPS: usize = 100;
 
 /// Eigenvalues, in any order, with an orthonormal eigenvector each, of a symmetric matrix of which the lower triangle is
 /// read.

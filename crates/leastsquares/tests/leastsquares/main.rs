@@ -8,6 +8,7 @@
 
 mod arrowhead_properties;
 mod dense_outcomes;
+mod eigenvalues_along;
 mod nist_strd;
 mod nist_strd_linear;
 mod scattered_starts;
