@@ -97,6 +97,7 @@ pub(crate) fn unit(unit: &str) -> &str {
         "um/rad2" => "µm/rad²",
         "arcsec/rad" => "″/rad",
         "um/K" => "µm/K",
+        "readings/1000" => "‰ of the time between two readings",
         other => other,
     }
 }

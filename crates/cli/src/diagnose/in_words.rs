@@ -171,6 +171,7 @@ pub(crate) fn unit(unit: &str) -> &'static str {
         "years" => " years",
         "ms" => " ms",
         "readings" => " readings",
+        "readings/1000" => " ‰ of the time between two readings",
         "ppm" => " ppm",
         "deg" => "°",
         "um/m" => " µm/m",

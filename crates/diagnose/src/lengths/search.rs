@@ -6,7 +6,8 @@ use trueaxis_poses::{LengthsAdjustment, network_from_campaign};
 
 use crate::engine::{
     Candidates, HeldOut, Omnibus, Search, Suspect, Wanders, add_rival_disturbances, cause, compete,
-    find_causes, is_tested, of_catalogue, scans, untested, wandered, wandered_mm, whitened_columns,
+    find_causes, is_tested, of_catalogue, scans, settle, untested, wandered, wandered_mm,
+    whitened_columns,
 };
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
@@ -174,7 +175,7 @@ fn looked_at<'a>(
     let gross = still_left_out(&suspicious, &base, &searched.search.adjusted);
     if gross.len() != base.left_out.len() {
         base = leaving_out(&base, &gross)?;
-        searched = Searched::of(&base)?;
+        searched = searched.again(&base)?;
     }
     let mut looked = searched.look(&base)?;
     // The causes may have become others.
@@ -248,6 +249,23 @@ impl Searched {
             all,
             null,
             search,
+        })
+    }
+
+    /// The same with more readings, which the causes explain: nothing else is to be looked for in them.
+    fn again(self, base: &Base<'_>) -> Result<Self, Error> {
+        let plain = base.adjust(Vec::new(), None)?;
+        let suspects = self.search.adjusted.suspects;
+        let (found, adjusted) = settle(base, suspects, &self.all, &self.null)?;
+        Ok(Self {
+            before: omnibus(base, &plain),
+            plain,
+            search: Search {
+                found,
+                adjusted,
+                left: self.search.left,
+            },
+            ..self
         })
     }
 

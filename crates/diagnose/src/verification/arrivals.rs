@@ -8,9 +8,10 @@
 //! rows stand: sweep by sweep, or stop by stop from below and from above (step cycle of ISO 230-2). Other axes
 //! come from the side of the pass (the readings of one cycle in one direction) where they move alone in it,
 //! else from the sign of their speed there ([`side`]). Speeds come from the
-//! table: `(q_next - q_last) / (t_next - t_last)` within the pass, zero at a standstill and where the table has no times. A table with one
+//! table: `(q_next - q_last) / (t_next - t_last)` within the pass, zero at a standstill and of a line without times. A table with one
 //! timed reading at each position does not say whether the machine stopped there; it is taken as read on
-//! the fly, so that an offset of the time stamps stays among the possible causes.
+//! the fly, so that an offset of the time stamps stays among the possible causes. A circle is run at one feed: without
+//! times its speeds are per reading.
 
 use trueaxis_campaign::VerificationReading;
 
@@ -39,9 +40,11 @@ pub(crate) struct Arrival {
     pub(crate) readings: usize,
     /// The line of the first of them in the table.
     pub(crate) line: usize,
+    /// Whether it ends a circle where it began, after everything in between.
+    pub(crate) closes_circle: bool,
     /// For each axis the side from which it came, +1 or -1; 0 for an axis that stands.
     pub(crate) sides: Vec<f64>,
-    /// For each axis its speed, mm/s or rad/s.
+    /// For each axis its speed, mm/s or rad/s; of a circle without a clock per reading.
     pub(crate) speeds_per_s: Vec<f64>,
 }
 
@@ -94,13 +97,14 @@ pub(crate) fn arrivals(readings: &[VerificationReading], measured: Option<usize>
                 value_um: reading.value_um,
                 readings: 1,
                 line: reading.line,
+                closes_circle: false,
                 sides: vec![0.0; reading.positions.len()],
                 speeds_per_s: vec![0.0; reading.positions.len()],
             });
         }
     }
     set_progress(&mut all);
-    set_motion(&mut all, timed);
+    set_motion(&mut all, timed || measured.is_none());
     for arrival in &mut all {
         if let Some(axis) = measured {
             arrival.sides[axis] = arrival.direction;
@@ -129,8 +133,8 @@ fn set_progress(all: &mut [Arrival]) {
     }
 }
 
-/// Sides and speeds, pass after pass.
-fn set_motion(all: &mut [Arrival], timed: bool) {
+/// Sides, and where rows follow each other at known intervals speeds, pass after pass.
+fn set_motion(all: &mut [Arrival], are_regular: bool) {
     for pass in all.chunk_by_mut(Arrival::is_of_pass) {
         let positions: Vec<Vec<f64>> = pass.iter().map(|a| a.positions.clone()).collect();
         let times: Vec<f64> = pass.iter().map(|a| a.time_s).collect();
@@ -142,6 +146,7 @@ fn set_motion(all: &mut [Arrival], timed: bool) {
         let moving: Vec<usize> = moving.collect();
         let last = positions.len() - 1;
         let closed = around(&positions);
+        pass[last].closes_circle = closed.is_some_and(|[before_first, _]| before_first < last);
         for &axis in &moving {
             for (i, arrival) in pass.iter_mut().enumerate() {
                 let (a, b) = (i.saturating_sub(1), (i + 1).min(last));
@@ -152,7 +157,7 @@ fn set_motion(all: &mut [Arrival], timed: bool) {
                     _ => side(&positions, closed, axis, i),
                 };
                 let duration = times[b] - times[a];
-                if timed && arrival.readings == 1 && duration > 0.0 {
+                if are_regular && arrival.readings == 1 && duration > 0.0 {
                     arrival.speeds_per_s[axis] = step / duration;
                 }
             }

@@ -72,9 +72,13 @@ pub(crate) fn stands(comparison: &Comparison<'_>) -> Vec<usize> {
     numbered(comparison, |a| a.positions.clone())
 }
 
-/// For each reading the number of its commanded positions and direction.
+/// For each reading the number of its commanded positions and direction; the end of a circle is none of its starts.
 pub(crate) fn cells(comparison: &Comparison<'_>) -> Vec<usize> {
-    numbered(comparison, |a| [&a.positions[..], &[a.direction]].concat())
+    let key = |a: &Arrival| {
+        let end = f64::from(u8::from(a.closes_circle));
+        [&a.positions[..], &[a.direction, end]].concat()
+    };
+    numbered(comparison, key)
 }
 
 /// For each reading the number of its cycle.

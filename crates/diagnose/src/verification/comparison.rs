@@ -254,9 +254,13 @@ impl<'a> Comparison<'a> {
         waves
     }
 
-    /// What times are counted in.
-    pub(crate) fn unit_of_time(&self) -> &'static str {
-        if self.timed { "s" } else { "readings" }
+    /// What is counted in a unit: without a clock times count readings.
+    pub(crate) fn unit_of(&self, unit: &'static str) -> &'static str {
+        match unit {
+            "s" if !self.timed => "readings",
+            "ms" if !self.timed => "readings/1000",
+            _ => unit,
+        }
     }
 }
 

@@ -116,7 +116,7 @@ fn period(problem: &Problem<'_>, model: &Projection) -> Option<String> {
     let arrivals = &problem.comparison.arrivals;
     let duration = arrivals.iter().map(|a| a.elapsed_s).fold(0.0, f64::max);
     let best = best_waves(problem, model).filter(|&waves| waves > 1)?;
-    let unit = problem.comparison.unit_of_time();
+    let unit = problem.comparison.unit_of("s");
     Some(told_period(duration / best as f64, unit))
 }
 

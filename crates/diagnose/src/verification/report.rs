@@ -55,11 +55,8 @@ pub(crate) fn causes(
         let u_shape = sized.u_shape.map_or(cause.u_shape, |u| u * variance.sqrt());
         let own = (&sized.fit, u_shape);
         let mut said = problem.listed.cause(&judged, level, own, variance);
-        // Without a clock times count readings.
-        for parameter in &mut said.parameters[candidate.plausible.len()..] {
-            if parameter.unit == "s" && !problem.comparison.timed {
-                parameter.unit = "readings";
-            }
+        for parameter in &mut said.parameters {
+            parameter.unit = problem.comparison.unit_of(parameter.unit);
         }
         let mut fitted = combined(base.rows(), &columns, &sized.fit.estimates);
         base.project(&mut fitted);

@@ -332,7 +332,7 @@ impl Wanderer {
             let times = comparison.arrivals.iter().map(|a| a.time_s);
             let first = times.clone().fold(f64::INFINITY, f64::min);
             let last = times.fold(f64::NEG_INFINITY, f64::max);
-            return ([first, last], comparison.unit_of_time());
+            return ([first, last], comparison.unit_of("s"));
         }
         if comparison.line().is_none() {
             return ([-180.0, 180.0], "deg");
