@@ -5,8 +5,8 @@ use trueaxis_effects::{Level, Subject};
 use trueaxis_poses::{LengthsAdjustment, network_from_campaign};
 
 use crate::engine::{
-    Candidates, HeldOut, Omnibus, Search, Suspect, Wanders, add_rival_disturbances, cause, compete,
-    find_causes, is_tested, of_catalogue, scans, settle, untested, wandered, wandered_mm,
+    Candidates, Found, HeldOut, Omnibus, Search, Suspect, Wanders, add_rival_disturbances, cause,
+    compete, find_causes, is_tested, of_catalogue, scans, settle, untested, wandered, wandered_mm,
     whitened_columns,
 };
 use crate::lengths::adjusted::Adjusted;
@@ -252,18 +252,31 @@ impl Searched {
         })
     }
 
-    /// The same with more readings, which the causes explain: nothing else is to be looked for in them.
+    /// The same with the few more readings that the causes explain: these settle among their rivals, but nothing else is looked for.
     fn again(self, base: &Base<'_>) -> Result<Self, Error> {
         let plain = base.adjust(Vec::new(), None)?;
-        let suspects = self.search.adjusted.suspects;
-        let (found, adjusted) = settle(base, suspects, &self.all, &self.null)?;
+        let Search {
+            found,
+            adjusted,
+            left,
+        } = self.search;
+        let is_comparable = |hypothesis: &&Hypothesis| {
+            let of_found = |found: &Found| {
+                let rivals = found.rivals.iter().map(|rival| &rival.0);
+                let mut comparable = rivals.chain([&found.suspect]);
+                comparable.any(|suspect| suspect.hypothesis.is(hypothesis))
+            };
+            found.iter().any(of_found)
+        };
+        let comparable: Vec<Hypothesis> = self.all.iter().filter(is_comparable).copied().collect();
+        let (found, adjusted) = settle(base, adjusted.suspects, &comparable, &self.null)?;
         Ok(Self {
             before: omnibus(base, &plain),
             plain,
             search: Search {
                 found,
                 adjusted,
-                left: self.search.left,
+                left,
             },
             ..self
         })

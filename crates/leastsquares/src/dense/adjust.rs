@@ -109,7 +109,7 @@ const SLOW: f64 = 0.5;
 /// # Panics
 /// If there is no unknown, or the Jacobian does not have a row for each residual and a column for
 /// each unknown.
-pub fn adjust(model: &impl Model, start: &[f64], settings: &Settings) -> Result<Adjusted, Error> {
+pub fn adjust(model: &dyn Model, start: &[f64], settings: &Settings) -> Result<Adjusted, Error> {
     assert!(!start.is_empty(), "at least one unknown");
     let residuals = model.residuals(start);
     let mut here = Linearised::at(model, start.to_vec(), residuals)?.ok_or(Error::NotFinite {
@@ -191,7 +191,7 @@ fn no_minimum(here: &Linearised, newton: Option<&Newton>) -> Option<Termination>
 
 /// The point after Newton's step unless it raises the sum of squares by more than rounding.
 fn newton_step(
-    model: &impl Model,
+    model: &dyn Model,
     here: &Linearised,
     newton: &Newton,
 ) -> Result<Option<Linearised>, Error> {

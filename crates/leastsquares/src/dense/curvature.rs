@@ -38,7 +38,7 @@ impl Newton {
     }
 
     /// Its curvature is not a number if the Jacobian is not finite beside this point.
-    pub(super) fn at(model: &impl Model, here: &Linearised) -> Result<Self, Error> {
+    pub(super) fn at(model: &dyn Model, here: &Linearised) -> Result<Self, Error> {
         let singular_values = here.svd.singular_values();
         let unknowns = singular_values.len();
         let hessian = relative_hessian(model, here);
@@ -70,7 +70,7 @@ impl Newton {
     }
 }
 
-fn relative_hessian(model: &impl Model, here: &Linearised) -> DMatrix<f64> {
+fn relative_hessian(model: &dyn Model, here: &Linearised) -> DMatrix<f64> {
     let singular_values = here.svd.singular_values();
     let unknowns = singular_values.len();
     let length = DIFFERENCE * norm(&here.residuals);

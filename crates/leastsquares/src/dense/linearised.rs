@@ -34,7 +34,7 @@ impl Linearised {
     /// # Panics
     /// If the Jacobian does not have a row for each residual and a column for each unknown.
     pub(super) fn at(
-        model: &impl Model,
+        model: &dyn Model,
         unknowns: Vec<f64>,
         residuals: Vec<f64>,
     ) -> Result<Option<Self>, Error> {

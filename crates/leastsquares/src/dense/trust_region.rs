@@ -67,7 +67,7 @@ impl TrustRegion {
     /// point down to steps that are lost in rounding.
     pub(super) fn descend(
         &mut self,
-        model: &impl Model,
+        model: &dyn Model,
         here: &Linearised,
     ) -> Result<Option<Linearised>, Error> {
         for (scale, length) in self.scale.iter_mut().zip(&here.column_lengths) {
