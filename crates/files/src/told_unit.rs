@@ -38,7 +38,7 @@ pub fn told_period(value: f64, unit: &str) -> String {
     format!("{:.decimals$} {unit}", value / size)
 }
 
-/// The time in which a parameter changes by its value, in words, if it is a rate.
+/// What a rate is counted over, in words; nothing for any other parameter.
 #[must_use]
 pub fn told_span(parameter: &str) -> &'static str {
     match parameter {

@@ -163,7 +163,7 @@ fn verdict(diagnosis: &Diagnosis) -> String {
     let of_causes = diagnosis.causes.iter().filter_map(|cause| cause.share);
     let largest = of_causes.fold(0.0, f64::max);
     let more = if diagnosis.disturbances.iter().any(|d| d.share > largest) {
-        ", and something that wanders is more of it"
+        ", but something that wanders explains more of the misfit"
     } else if is_left || !diagnosis.disturbances.is_empty() {
         ", and something more"
     } else {

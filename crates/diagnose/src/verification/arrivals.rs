@@ -20,7 +20,7 @@ use crate::verification::side::{around, side};
 /// One visit of a commanded position.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Arrival {
-    /// Clock, s, mean of its readings; the number of the row if the table has no times.
+    /// Clock, s, mean of its readings; the number of the reading, from 1, if the table has no times.
     pub(crate) time_s: f64,
     /// Of each of its readings.
     pub(crate) times_s: Vec<f64>,
@@ -71,7 +71,7 @@ pub(crate) fn arrivals(readings: &[VerificationReading], measured: Option<usize>
     let timed = are_timed(readings);
     let mut all: Vec<Arrival> = Vec::new();
     for (row, reading) in readings.iter().enumerate() {
-        let time_s = reading.time_s.filter(|_| timed).unwrap_or(row as f64);
+        let time_s = reading.time_s.filter(|_| timed).unwrap_or((row + 1) as f64);
         let direction = f64::from(reading.direction.sign());
         let same = all.last_mut().filter(|last| {
             last.cycle == reading.cycle

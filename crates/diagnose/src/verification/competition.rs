@@ -6,9 +6,10 @@
 
 use trueaxis_effects::Shape;
 
-use crate::engine::{Chosen, FURTHER_LEVEL, Listed, beside_one_of};
+use crate::engine::{Chosen, FURTHER_LEVEL, Listed, beside_one_of, without};
 use crate::selection::{DECISIVE, Score};
 use crate::verification::believed::{with_gain, without_imitations};
+use crate::verification::comparison::COUPLING;
 use crate::verification::held_out::{gain, held_out};
 use crate::verification::lost_motion::FORMS;
 use crate::verification::omnibus::omnibus;
@@ -23,6 +24,8 @@ pub(crate) struct Model<'a> {
     pub(crate) problem: Problem<'a>,
     pub(crate) wandering: Vec<FittedProcess>,
     pub(crate) causes: Vec<Chosen>,
+    /// Others that explain all with nearly as much evidence.
+    pub(crate) as_good: Vec<Vec<Chosen>>,
 }
 
 /// Searches until one holds, at most.
@@ -40,8 +43,19 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
         false => wandering(plain, &[]),
     };
     let mut models = Vec::new();
+    // A coupling may imitate squareness and scale together.
+    if is_complete
+        && of_causes
+            .causes
+            .iter()
+            .any(|cause| is_coupling(plain, cause.candidate))
+    {
+        let all = 0..plain.listed.candidates.len();
+        let couplings: Vec<usize> = all.filter(|&number| is_coupling(plain, number)).collect();
+        models.extend(whole(plain, &couplings));
+    }
     if !is_complete {
-        models.extend(whole(plain));
+        models.extend(whole(plain, &[]));
         let sets = suspected(plain, &of_causes.causes);
         models.extend(sets.into_iter().filter_map(|causes| beside(plain, causes)));
     }
@@ -62,12 +76,67 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
     // What wanders and does not predict is left unexplained.
     let helping = models.filter(|model| helps(plain, model));
     let models = without_rests(std::iter::once(of_causes).chain(helping).collect());
+    let scored = models.into_iter();
+    let mut scored: Vec<(f64, Model<'a>)> = scored
+        .map(|model| (evidence(plain, &model), model))
+        .collect();
     // The first of those that are as good.
-    let scored = models
-        .into_iter()
-        .map(|model| (evidence(plain, &model), model));
-    let best = scored.reduce(|best, next| if next.0 > best.0 { next } else { best });
-    best.map_or_else(|| only(plain, Vec::new()), |(_, model)| model)
+    scored.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut scored = scored.into_iter();
+    let Some((most, mut best)) = scored.next() else {
+        return only(plain, Vec::new());
+    };
+    if best.wandering.is_empty() {
+        let are_as_good = |model: &Model<'_>| {
+            let are_others = !have_same(&model.causes, &best.causes);
+            model.wandering.is_empty() && are_others && !model.causes.is_empty() && !is_left(model)
+        };
+        let near = scored.take_while(|(evidence, _)| most - evidence < DECISIVE);
+        let as_good = near.filter(|(_, model)| are_as_good(model));
+        let as_good: Vec<Vec<Chosen>> = as_good.map(|(_, model)| model.causes).collect();
+        best.as_good = as_good;
+        let simple = simple_instead(plain, &best, most);
+        best.as_good.extend(simple);
+    }
+    best
+}
+
+/// Effects of one parameter, or pairs of them, that explain as much as a coupling in their place, significant or not.
+fn simple_instead(plain: &Problem<'_>, best: &Model<'_>, most: f64) -> Vec<Vec<Chosen>> {
+    let coupling = |cause: &Chosen| is_coupling(plain, cause.candidate);
+    let Some(coupling) = best.causes.iter().position(coupling) else {
+        return Vec::new();
+    };
+    let listed = &plain.listed;
+    let others = without(&best.causes, coupling);
+    let beside = listed.beside(&others);
+    let is_simple = |score: &&Score| {
+        let candidate = listed.candidate(&beside, score);
+        candidate.plausible.len() == 1 && !candidate.is_of_any_form()
+    };
+    let simple = beside.scores.iter().filter(is_simple).take(FIRST);
+    let simple: Vec<Chosen> = simple.map(|score| listed.chosen(&beside, score)).collect();
+    let ones = (0..simple.len()).map(|i| vec![simple[i]]);
+    let pairs = (0..simple.len()).flat_map(|i| (0..i).map(move |j| [j, i]));
+    let pairs = pairs.map(|pair| pair.map(|i| simple[i]).to_vec());
+    let mut as_good: Vec<Vec<Chosen>> = Vec::new();
+    for own in ones.chain(pairs) {
+        let model = Model {
+            causes: [&others[..], &own].concat(),
+            ..only(plain, Vec::new())
+        };
+        let has_more = as_good
+            .iter()
+            .any(|few| few.iter().all(|one| has(&model.causes, one)));
+        if !has_more && most - evidence(plain, &model) < DECISIVE && !is_left(&model) {
+            as_good.push(model.causes);
+        }
+    }
+    as_good
+}
+
+fn is_coupling(plain: &Problem<'_>, candidate: usize) -> bool {
+    plain.listed.candidates[candidate].hypothesis.effect.id == COUPLING
 }
 
 /// Sets of causes beside which something may wander.
@@ -116,9 +185,9 @@ fn lost_motion(plain: &Problem<'_>) -> Vec<Chosen> {
 const FIRST: usize = 4;
 const MOST_OF_ALL: usize = 5;
 
-/// Several causes that leave nothing: of a pair that one cause imitates neither is the first, and what is little against the others was
+/// Several causes, none of them `excluded`, that leave nothing: of a pair that one cause imitates neither is the first, and what is little against the others was
 /// taken for their shape.
-fn whole<'a>(plain: &Problem<'a>) -> Vec<Model<'a>> {
+fn whole<'a>(plain: &Problem<'a>, excluded: &[usize]) -> Vec<Model<'a>> {
     let listed = &plain.listed;
     let beside = listed.beside(&[]);
     let null = beside.null();
@@ -129,7 +198,7 @@ fn whole<'a>(plain: &Problem<'a>) -> Vec<Model<'a>> {
     let firsts = beside.scores.iter().filter(is_first).take(FIRST);
     let mut models: Vec<Model<'a>> = Vec::new();
     for first in firsts.map(|score| listed.chosen(&beside, score)) {
-        let causes = search_from(listed, first, plain.level, MOST_OF_ALL);
+        let causes = search_from(listed, first, excluded, (plain.level, MOST_OF_ALL));
         let is_known = models.iter().any(|m| have_same(&m.causes, &causes));
         if causes.len() < 2 || is_known || opposed(listed, &causes) {
             continue;
@@ -165,6 +234,7 @@ pub(crate) fn only<'a>(plain: &Problem<'a>, wandering: Vec<FittedProcess>) -> Mo
         problem: plain.beside(&wandering),
         wandering,
         causes: Vec::new(),
+        as_good: Vec::new(),
     }
 }
 
@@ -272,12 +342,18 @@ fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
         base: projection,
         candidates: plain.listed.candidates.clone(),
     };
+    let mut names = 2 * model.wandering.len();
     for (k, cause) in model.causes.iter().enumerate() {
         let beside = listed.beside(&model.causes[..k]);
         let own = |score: &&Score| beside.numbers[score.scan] == cause.candidate;
-        sum += beside.scores.iter().find(own).map_or(0.0, |s| s.evidence);
+        let own = beside.scores.iter().find(own);
+        sum += own.map_or(0.0, |score| score.evidence);
+        names += match own {
+            // Each direction is an error of its own.
+            Some(score) if is_coupling(plain, cause.candidate) => score.rank,
+            _ => 1,
+        };
     }
-    let names = model.causes.len() + 2 * model.wandering.len();
     sum - DECISIVE * names.saturating_sub(1) as f64
 }
 

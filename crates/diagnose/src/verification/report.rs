@@ -144,6 +144,37 @@ pub(crate) fn rivals(listed: &Listed, cause: &[Chosen], judged: &Judged) -> Vec<
     rivals
 }
 
+/// Adds to the causes of a model those of another one that is as good, each to those in whose place it stands there.
+pub(crate) fn add_rivals(
+    listed: &Listed,
+    chosen: &[Chosen],
+    others: &[Chosen],
+    causes: &mut [Cause],
+) {
+    let has = |all: &[Chosen], own: &Chosen| all.iter().any(|c| c.candidate == own.candidate);
+    for (k, (other, sized)) in others.iter().zip(listed.sizes(others)).enumerate() {
+        let Some(judged) = listed.judge(others, k).filter(|_| !has(chosen, other)) else {
+            continue;
+        };
+        let effect = listed.candidates[other.candidate].resolved(&sized.fit.estimates, other.shape);
+        let is_it = |rival: &Rival| match rival {
+            Rival::Effect { effect: own, .. } => {
+                (own.effect.id, own.subject) == (effect.effect.id, effect.subject)
+            }
+            Rival::Disturbance { .. } => false,
+        };
+        let of_chosen = chosen.iter().zip(causes.iter_mut());
+        for (_, cause) in of_chosen.filter(|(own, _)| !has(others, own)) {
+            if !cause.rivals.iter().any(is_it) {
+                cause.rivals.push(Rival::Effect {
+                    effect: effect.clone(),
+                    delta_bic: judged.score.bic,
+                });
+            }
+        }
+    }
+}
+
 /// Where the misfit lives: by direction and by cycle.
 pub(crate) fn places(problem: &Problem<'_>, before: &Projection, after: &Projection) -> Vec<Place> {
     let rms_um = |rows: &[usize]| {

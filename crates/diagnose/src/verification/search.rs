@@ -42,8 +42,13 @@ pub(crate) fn search_beside(
 
 /// Up to `most` causes that begin with one, each significant beside the others, however little of what they explain it does: only where
 /// they leave nothing is it more than their shape.
-pub(crate) fn search_from(listed: &Listed, first: Chosen, level: f64, most: usize) -> Vec<Chosen> {
-    grown(listed, vec![first], &[], level, (most, false))
+pub(crate) fn search_from(
+    listed: &Listed,
+    first: Chosen,
+    excluded: &[usize],
+    (level, most): (f64, usize),
+) -> Vec<Chosen> {
+    grown(listed, vec![first], excluded, level, (most, false))
 }
 
 /// Causes with up to `most` in all; those that may be no more than the shape of others only `with_shapes` end it.

@@ -68,6 +68,7 @@ impl<'a> Series<'a> {
             problem,
             wandering,
             causes: chosen,
+            as_good,
         } = &self.model;
         let before = &plain.listed.base;
         let tests = omnibus(plain, before);
@@ -91,13 +92,16 @@ impl<'a> Series<'a> {
         for (_, own) in &courses {
             add(&mut course, &own.whitened, 1.0);
         }
-        let causes = report::causes(
+        let mut causes = report::causes(
             problem,
             scene,
             &chosen,
             (before, &after),
             (wandering, &course),
         );
+        for others in as_good {
+            report::add_rivals(&problem.listed, &chosen, others, &mut causes);
+        }
         let is_plain = chosen.is_empty() && wandering.is_empty();
         let of_tests = || {
             let left = unexplained(problem, &after, &tests_after)?;
