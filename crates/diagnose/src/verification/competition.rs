@@ -7,7 +7,7 @@
 use trueaxis_effects::Shape;
 
 use crate::engine::{Chosen, FURTHER_LEVEL, Listed, beside_one_of, without};
-use crate::selection::{DECISIVE, Score};
+use crate::selection::{DECISIVE, Score, combined, dot};
 use crate::verification::believed::{with_gain, without_imitations};
 use crate::verification::comparison::COUPLING;
 use crate::verification::held_out::{gain, held_out};
@@ -360,8 +360,20 @@ fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
 /// A cause in time is no more than a part of what wanders if this part of what it explains is left to that.
 const PART: f64 = 0.1;
 
-/// A wave along an axis whose curve wanders over the position is a rest of that, if it explains less than this part of it.
+/// A wave along an axis whose curve wanders over the position is a rest of that, if it explains less than this part of it, or if it
+/// is longer than this part of the correlation length: then the curve may go so by itself.
 const REST: f64 = 0.25;
+const OWN_COURSE: f64 = 0.75;
+
+/// Squares of what a cause of a model does to the readings, in variances of the noise.
+fn squares_of(plain: &Problem<'_>, model: &Model<'_>, k: usize) -> f64 {
+    let listed = &model.problem.listed;
+    let columns = listed.columns(std::slice::from_ref(&model.causes[k]));
+    let sizes = listed.sizes(&model.causes);
+    let mut effect = combined(plain.listed.base.rows(), &columns, &sizes[k].fit.estimates);
+    plain.listed.base.project(&mut effect);
+    dot(&effect, &effect)
+}
 
 /// The model without causes that do not describe the course that they give a name.
 fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>) -> Model<'a> {
@@ -376,8 +388,18 @@ fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>) -> Model<'a> {
                 })
             };
             let is_wave = hypothesis.effect.shape == Shape::Period;
+            let of_curve = || {
+                let with = listed.with(&model.causes).squares();
+                plain.listed.with(&model.causes).squares() - with
+            };
+            let is_rest = |own: &FittedProcess| {
+                let [first, last] = plain.comparison.range;
+                let is_long = plain.comparison.line().is_some()
+                    && model.causes[k].shape > OWN_COURSE * own.form.length() * (last - first);
+                is_long || squares_of(plain, &model, k) < REST * of_curve()
+            };
             model.wandering.iter().any(|own| match own.wanderer {
-                Wanderer::Position if is_wave => explained() < REST * own.evidence,
+                Wanderer::Position if is_wave => is_rest(own),
                 wanderer if wanderer.is_course_of(hypothesis) => own.evidence > PART * explained(),
                 _ => false,
             })

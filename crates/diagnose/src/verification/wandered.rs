@@ -24,10 +24,9 @@ pub(crate) fn wandered(
     let report = |(own, course): &(&FittedProcess, Course)| {
         let comparison = problem.comparison;
         let (range, unit) = own.wanderer.range(comparison);
-        let (length, period) = match own.form {
-            Form::Smooth { length, .. } => (length, None),
-            // A quarter of it leaves nothing alike.
-            Form::Swing(period) => (0.25 * period, Some(period)),
+        let period = match own.form {
+            Form::Smooth { .. } => None,
+            Form::Swing(period) => Some(period),
         };
         Disturbance {
             level: Level::Verification,
@@ -37,7 +36,7 @@ pub(crate) fn wandered(
             rms_um: rms_of_readings_um(problem, &course.whitened),
             share: 0.0,
             correlation_length: CorrelationLength {
-                value: length * (range[1] - range[0]),
+                value: own.form.length() * (range[1] - range[0]),
                 unit,
             },
             period: period.map(|period| period * (range[1] - range[0])),

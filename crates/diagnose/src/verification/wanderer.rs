@@ -58,6 +58,16 @@ pub(crate) enum Form {
     Swing(f64),
 }
 
+impl Form {
+    /// Correlation length, as a part of the range; a quarter of a period leaves nothing alike.
+    pub(crate) fn length(self) -> f64 {
+        match self {
+            Self::Smooth { length, .. } => length,
+            Self::Swing(period) => 0.25 * period,
+        }
+    }
+}
+
 /// Steps of the number of waves of a swing over the readings: one sixteenth of a wave more or less leaves 98 % of it.
 const WAVE_STEP: f64 = 0.125;
 
