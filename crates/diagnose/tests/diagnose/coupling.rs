@@ -231,6 +231,5 @@ fn squareness_and_scale_that_changed_are_no_clear_coupling() {
         clear += usize::from(causes.any(is_clear_coupling));
         assert_ne!(diagnosis.verdict, Verdict::Unknown, "{seed}");
     }
-    println!("{clear} of 10 clear");
     assert!(clear <= 1, "{clear} of 10");
 }
