@@ -5,7 +5,7 @@
 //! their whole evidence. A form that can be anything is believed less than one of the catalogue, and every further
 //! name costs: a cause is charged [`DECISIVE`], odds of 20 to 1, and a disturbance twice that. So a drift is a drift
 //! though something that wanders might have done it, and three stacked causes do not beat one disturbance. Where causes leave
-//! nothing to what wanders, only a single disturbance can take their place.
+//! nothing to what wanders, disturbances can take their place only if one alone has more evidence.
 //!
 //! A cause in time that leaves a tenth of what it explains to a disturbance of the same thing does not describe how
 //! that thing moves, and loses its name ([`is_of`]). So does one whose statistic is less than a twentieth of the evidence that the
@@ -102,7 +102,7 @@ pub(crate) fn compete<D: Wanders>(
     Ok(model)
 }
 
-/// Whether causes that explain all have more evidence than each disturbance alone. Several that together do what a form of the
+/// Whether causes that explain all have more evidence than each disturbance alone that may stand first. Several that together do what a form of the
 /// catalogue does down to the noise are not asked: that would be a coincidence.
 fn beat_each<D: Wanders>(
     base: &D,

@@ -1,7 +1,7 @@
 //! Lengths that were left out as gross errors, and whether the causes explain them after all.
 //!
 //! The few lengths between a slip and the end of an occupation look like accidents until the slip is known.
-//! Without them its instant is not known, either; so the search is made again with them. And several in a
+//! Without them its instant is not known, either; so the causes settle again with them. And several in a
 //! row to one target, or from one station, are no accidents at all.
 
 use trueaxis_campaign::{Campaign, Lengths};
@@ -80,8 +80,7 @@ impl LeftOut {
     }
 }
 
-/// The numbers of those of some readings that stay left out beside the causes of a model (ascending): those that they do not
-/// explain; without causes all.
+/// Numbers of the readings in `all` that the causes of a model do not explain, ascending; all of them if there are no causes.
 pub(crate) fn still_left_out(all: &[LeftOut], base: &Base<'_>, adjusted: &Adjusted) -> Vec<usize> {
     let is_gross = |l: &&LeftOut| adjusted.suspects.is_empty() || !l.is_explained(base, adjusted);
     let gross = all.iter().filter(is_gross);

@@ -172,19 +172,32 @@ fn looked_at<'a>(
     let suspicious = base.left_out.clone();
     let mut searched = Searched::of(&base)?;
     // Asked before what wanders is looked for, which takes longest.
+    let are_other = |base: &Base<'a>, gross: &[usize]| {
+        !gross
+            .iter()
+            .eq(base.left_out.iter().map(|left_out| &left_out.number))
+    };
     let gross = still_left_out(&suspicious, &base, &searched.search.adjusted);
-    if gross.len() != base.left_out.len() {
+    if are_other(&base, &gross) {
         base = leaving_out(&base, &gross)?;
         searched = searched.again(&base)?;
     }
+    let before: Vec<Hypothesis> = hypotheses(&searched.search.adjusted);
     let mut looked = searched.look(&base)?;
-    // The causes may have become others.
-    let gross = still_left_out(&suspicious, &base, &looked.named.adjusted);
-    if gross.len() != base.left_out.len() {
-        base = leaving_out(&base, &gross)?;
-        looked = Searched::of(&base)?.look(&base)?;
+    let after = hypotheses(&looked.named.adjusted);
+    let are_same = before.len() == after.len() && before.iter().zip(&after).all(|(a, b)| a.is(b));
+    if !are_same {
+        let gross = still_left_out(&suspicious, &base, &looked.named.adjusted);
+        if are_other(&base, &gross) {
+            base = leaving_out(&base, &gross)?;
+            looked = Searched::of(&base)?.look(&base)?;
+        }
     }
     Ok((base, looked))
+}
+
+fn hypotheses(adjusted: &Adjusted) -> Vec<Hypothesis> {
+    adjusted.suspects.iter().map(|s| s.hypothesis).collect()
 }
 
 /// What the search finds in the lengths of a base.

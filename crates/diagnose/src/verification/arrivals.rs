@@ -104,7 +104,7 @@ pub(crate) fn arrivals(readings: &[VerificationReading], measured: Option<usize>
         }
     }
     set_progress(&mut all);
-    set_motion(&mut all, timed || measured.is_none());
+    set_motion(&mut all, timed, measured.is_none());
     for arrival in &mut all {
         if let Some(axis) = measured {
             arrival.sides[axis] = arrival.direction;
@@ -133,11 +133,13 @@ fn set_progress(all: &mut [Arrival]) {
     }
 }
 
-/// Sides, and where rows follow each other at known intervals speeds, pass after pass.
-fn set_motion(all: &mut [Arrival], are_regular: bool) {
+/// Sides, and speeds where there are times or a machine that does not stop, pass after pass.
+fn set_motion(all: &mut [Arrival], timed: bool, goes_on: bool) {
     for pass in all.chunk_by_mut(Arrival::is_of_pass) {
         let positions: Vec<Vec<f64>> = pass.iter().map(|a| a.positions.clone()).collect();
-        let times: Vec<f64> = pass.iter().map(|a| a.time_s).collect();
+        // Rows that were left out took their time, too.
+        let time = |a: &Arrival| if timed { a.time_s } else { a.line as f64 };
+        let times: Vec<f64> = pass.iter().map(time).collect();
         let moving = (0..positions[0].len()).filter(|&axis| {
             positions
                 .iter()
@@ -146,7 +148,8 @@ fn set_motion(all: &mut [Arrival], are_regular: bool) {
         let moving: Vec<usize> = moving.collect();
         let last = positions.len() - 1;
         let closed = around(&positions);
-        pass[last].closes_circle = closed.is_some_and(|[before_first, _]| before_first < last);
+        let comes_back = closed.is_some_and(|[before_first, _]| before_first < last);
+        pass[last].closes_circle = comes_back && moving.len() > 1;
         for &axis in &moving {
             for (i, arrival) in pass.iter_mut().enumerate() {
                 let (a, b) = (i.saturating_sub(1), (i + 1).min(last));
@@ -157,7 +160,7 @@ fn set_motion(all: &mut [Arrival], are_regular: bool) {
                     _ => side(&positions, closed, axis, i),
                 };
                 let duration = times[b] - times[a];
-                if are_regular && arrival.readings == 1 && duration > 0.0 {
+                if (timed || goes_on) && arrival.readings == 1 && duration > 0.0 {
                     arrival.speeds_per_s[axis] = step / duration;
                 }
             }

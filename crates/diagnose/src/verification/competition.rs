@@ -388,15 +388,20 @@ fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>) -> Model<'a> {
                 })
             };
             let is_wave = hypothesis.effect.shape == Shape::Period;
-            let of_curve = || {
-                let with = listed.with(&model.causes).squares();
-                plain.listed.with(&model.causes).squares() - with
+            let of_curve = |own: &FittedProcess| {
+                let others = model
+                    .wandering
+                    .iter()
+                    .filter(|w| w.wanderer != own.wanderer);
+                let others: Vec<FittedProcess> = others.cloned().collect();
+                let without = plain.beside(&others).listed.with(&model.causes).squares();
+                without - listed.with(&model.causes).squares()
             };
             let is_rest = |own: &FittedProcess| {
                 let [first, last] = plain.comparison.range;
                 let is_long = plain.comparison.line().is_some()
                     && model.causes[k].shape > OWN_COURSE * own.form.length() * (last - first);
-                is_long || squares_of(plain, &model, k) < REST * of_curve()
+                is_long || squares_of(plain, &model, k) < REST * of_curve(own)
             };
             model.wandering.iter().any(|own| match own.wanderer {
                 Wanderer::Position if is_wave => is_rest(own),

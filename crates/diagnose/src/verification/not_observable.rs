@@ -84,7 +84,8 @@ fn largest(
                 "reading".to_owned(),
                 format!(
                     "{largest:.3} um per {} of {}",
-                    parameter.unit, parameter.name
+                    problem.comparison.unit_of(parameter.unit),
+                    parameter.name
                 ),
             ));
         }

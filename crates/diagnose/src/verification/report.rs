@@ -151,20 +151,26 @@ pub(crate) fn add_rivals(
     others: &[Chosen],
     causes: &mut [Cause],
 ) {
-    let has = |all: &[Chosen], own: &Chosen| all.iter().any(|c| c.candidate == own.candidate);
+    let name = |own: &Chosen| {
+        let hypothesis = listed.hypothesis(own);
+        (hypothesis.effect.id, hypothesis.subject)
+    };
+    let has = |all: &[Chosen], one: (&str, Subject)| all.iter().any(|own| name(own) == one);
     for (k, (other, sized)) in others.iter().zip(listed.sizes(others)).enumerate() {
-        let Some(judged) = listed.judge(others, k).filter(|_| !has(chosen, other)) else {
+        let Some(judged) = listed
+            .judge(others, k)
+            .filter(|_| !has(chosen, name(other)))
+        else {
             continue;
         };
         let effect = listed.candidates[other.candidate].resolved(&sized.fit.estimates, other.shape);
         let is_it = |rival: &Rival| match rival {
-            Rival::Effect { effect: own, .. } => {
-                (own.effect.id, own.subject) == (effect.effect.id, effect.subject)
-            }
+            Rival::Effect { effect: own, .. } => (own.effect.id, own.subject) == name(other),
             Rival::Disturbance { .. } => false,
         };
-        let of_chosen = chosen.iter().zip(causes.iter_mut());
-        for (_, cause) in of_chosen.filter(|(own, _)| !has(others, own)) {
+        let is_replaced =
+            |cause: &&mut Cause| !has(others, (cause.effect.effect.id, cause.effect.subject));
+        for cause in causes.iter_mut().filter(is_replaced) {
             if !cause.rivals.iter().any(is_it) {
                 cause.rivals.push(Rival::Effect {
                     effect: effect.clone(),

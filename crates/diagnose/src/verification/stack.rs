@@ -33,9 +33,12 @@ const SHOWN: f64 = 0.1;
 
 /// Whether an effect of a series is the same in another: it belongs to the machine or to the way in which it is read, not
 /// to the time of one series or to the range of its positions.
-pub(crate) fn is_of_all(candidate: &Candidate<'_>) -> bool {
+pub(crate) fn is_of_all(series: &Series<'_>, candidate: &Candidate<'_>) -> bool {
     let Hypothesis { effect, .. } = candidate.hypothesis;
-    let is_of_its_clock = candidate.hypothesis.is_of_time() || effect.id == "axis_expansion";
+    // Without a clock lag is in parts of the time between two readings of this series.
+    let counts_readings = effect.id == "timestamp_offset" && !series.plain.comparison.timed;
+    let is_of_its_clock =
+        counts_readings || candidate.hypothesis.is_of_time() || effect.id == "axis_expansion";
     let has_shape_of_all = matches!(effect.shape, Shape::Fixed | Shape::Period | Shape::Waves);
     has_shape_of_all && !is_of_its_clock && !candidate.is_free
 }
@@ -87,7 +90,7 @@ impl<'s> Stack<'s> {
             for candidate in series.plain.listed.candidates.iter() {
                 let hypothesis = &candidate.hypothesis;
                 let is_listed = |other: &Candidate<'_>| other.hypothesis.is(hypothesis);
-                if is_of_all(candidate)
+                if is_of_all(series, candidate)
                     && is_wanted(hypothesis)
                     && !candidates.iter().any(is_listed)
                 {
@@ -108,7 +111,7 @@ impl<'s> Stack<'s> {
             .iter()
             .map(|series| {
                 let mut candidates = series.plain.listed.candidates.iter();
-                candidates.position(|c| is_of_all(c) && c.hypothesis.is(hypothesis))
+                candidates.position(|c| is_of_all(series, c) && c.hypothesis.is(hypothesis))
             })
             .collect();
         let own = members.iter().enumerate().filter_map(|(series, number)| {

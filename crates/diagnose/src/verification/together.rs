@@ -127,7 +127,7 @@ fn its_own(series: &Series<'_>, is_joint: impl Fn(&Hypothesis) -> bool) -> Vec<C
     let causes = series.model.causes.iter();
     let is_own = |cause: &&Chosen| {
         let candidate = &candidates[cause.candidate];
-        !(is_of_all(candidate) && is_joint(&candidate.hypothesis))
+        !(is_of_all(series, candidate) && is_joint(&candidate.hypothesis))
     };
     causes.filter(is_own).copied().collect()
 }

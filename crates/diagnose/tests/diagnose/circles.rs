@@ -9,7 +9,7 @@ use trueaxis_diagnose::{Diagnosis, Verdict};
 
 use crate::ball_bar::{CENTRE_MM, in_xy};
 use crate::counts::summary;
-use crate::{found, generator, report};
+use crate::{found, found_in, generator, report};
 
 const RADIUS_MM: f64 = 150.0;
 const FEED_MM_S: f64 = 1000.0 / 60.0;
@@ -172,6 +172,26 @@ fn a_circle_without_a_clock_shows_what_lags() {
             assert_is(&found(bar), wrong, count, &format!("{play_um} {seed}"));
         }
     }
+}
+
+/// Two tables without a clock, of other steps: each has its own interval between readings, and lag in parts of it.
+#[test]
+fn lag_without_a_clock_is_of_one_table() {
+    let wrong = Wrong {
+        lag_ms: 0.15,
+        ..Wrong::default()
+    };
+    let bars = [3.0, 5.0].map(|step| without_a_clock(circle(wrong, (45.7, step), 7)));
+    let found = found_in(bars.into());
+    let sizes = found.causes.iter().map(|cause| {
+        assert_eq!(cause.parameters[0].unit, "readings/1000");
+        cause.parameters[0].value.abs()
+    });
+    let sizes: Vec<f64> = sizes.collect();
+    let [narrow, wide] = sizes[..] else {
+        panic!("{}", summary(&found));
+    };
+    assert!((narrow / wide - 5.0 / 3.0).abs() < 0.15, "{narrow} {wide}");
 }
 
 /// The end of a circle is where it began, but later: while the bar drifts it is off by as much as that, and was left out in
