@@ -8,8 +8,8 @@
 //! judged by itself ([`mod@series`]): the prediction ([`comparison`]) with its own
 //! errors ([`prediction_error`]), what the measurement leaves open ([`base`]), the noise that the repeats
 //! show ([`noise_floor`]), causes one at a time ([`search`]), whether they help on readings that were not
-//! used ([`held_out`]), what wanders beside them or instead of them ([`wandering`], [`competition`]), and
-//! whether anything is left ([`omnibus`]). Then all together ([`together`]): what the machine does in one line it does in the
+//! used ([`held_out`]), what wanders beside them or instead of them ([`wandering`], [`competition`],
+//! [`mod@described`]), what else explains as much ([`instead`]), and whether anything is left ([`omnibus`]). Then all together ([`together`]): what the machine does in one line it does in the
 //! others, with one size. The paper's Figs. 10, 12 and 16 are this comparison.
 //!
 //! Without a calibration the prediction is an ideal machine; a line then tells what differs between
@@ -24,15 +24,18 @@ mod believed;
 pub(crate) mod comparison;
 mod competition;
 mod copied;
+mod described;
 mod doubted;
 mod given_once;
 mod gross_error;
 mod gross_errors;
 mod held_out;
 mod hypotheses;
+mod instead;
 mod joined;
 mod left_out;
 mod lost_motion;
+mod model;
 mod noise_floor;
 mod not_observable;
 mod omnibus;

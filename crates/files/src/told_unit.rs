@@ -38,7 +38,7 @@ pub fn told_period(value: f64, unit: &str) -> String {
     format!("{:.decimals$} {unit}", value / size)
 }
 
-/// What a rate is counted over, in words; nothing for any other parameter.
+/// The words that follow the value of a rate (` over an occupation`); empty for any other parameter.
 #[must_use]
 pub fn told_span(parameter: &str) -> &'static str {
     match parameter {

@@ -55,6 +55,11 @@ impl Candidate<'_> {
         self.hypothesis.is_of_time() || self.is_free
     }
 
+    /// Whether it is one parameter, which follows no course.
+    pub(crate) fn is_simple(&self) -> bool {
+        self.plausible.len() == 1 && !self.is_of_any_form()
+    }
+
     /// The columns at a shape: of the nearest in the list, if there are none between them.
     pub(crate) fn columns(&self, shape: f64) -> Cow<'_, [Vec<f64>]> {
         let distance = |k: &usize| (self.shapes[*k] - shape).abs();

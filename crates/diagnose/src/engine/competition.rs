@@ -102,8 +102,8 @@ pub(crate) fn compete<D: Wanders>(
     Ok(model)
 }
 
-/// Whether causes that explain all have more evidence than each disturbance alone that may stand first. Several that together do what a form of the
-/// catalogue does down to the noise are not asked: that would be a coincidence.
+/// Whether causes that explain all have more evidence than each disturbance alone that may stand first. Several that together
+/// do what a form of the catalogue does down to the noise are not asked: that would be a coincidence.
 fn beat_each<D: Wanders>(
     base: &D,
     search: &Search<D::Model>,

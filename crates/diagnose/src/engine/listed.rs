@@ -197,8 +197,7 @@ impl<'a> Listed<'a> {
     /// Cause `k` if the others are in the model; `None` if they leave nothing of it.
     pub(crate) fn judge(&self, causes: &[Chosen], k: usize) -> Option<Judged> {
         let beside = self.beside(&without(causes, k));
-        let is_own = |s: &&Score| beside.numbers[s.scan] == causes[k].candidate;
-        let score = *beside.scores.iter().find(is_own)?;
+        let score = beside.score_of(&causes[k])?;
         Some(Judged {
             cause: causes[k],
             score,
@@ -257,6 +256,13 @@ impl<'a> Listed<'a> {
 }
 
 impl Beside {
+    /// That of a cause that is not in the model.
+    pub(crate) fn score_of(&self, cause: &Chosen) -> Option<Score> {
+        let mut scores = self.scores.iter();
+        let own = scores.find(|score| self.numbers[score.scan] == cause.candidate);
+        own.copied()
+    }
+
     pub(crate) fn null(&self) -> Null {
         Null::simulated(&self.model, &self.scans)
     }

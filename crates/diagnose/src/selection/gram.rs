@@ -34,8 +34,7 @@ impl Gram {
         if !gram.iter().all(|x| x.is_finite()) || limit <= 0.0 {
             return new;
         }
-        let at = |i: usize, j: usize| 0.5 * (gram[i * n + j] + gram[j * n + i]);
-        if let Ok(eigen) = symmetric_eigen(DMatrix::from_fn(n, n, at)) {
+        if let Ok(eigen) = symmetric_eigen(DMatrix::from_fn(n, n, symmetric(gram, n))) {
             let vectors = eigen.eigenvectors.column_iter();
             let all = eigen.eigenvalues.iter().zip(vectors);
             for (&value, vector) in all.filter(|(value, _)| **value > limit) {
@@ -170,6 +169,11 @@ impl Gram {
     }
 }
 
+/// Elements of a matrix that rounding makes unsymmetric.
+fn symmetric(matrix: &[f64], n: usize) -> impl Fn(usize, usize) -> f64 {
+    move |i, j| 0.5 * (matrix[i * n + j] + matrix[j * n + i])
+}
+
 /// What an eigenvalue must exceed, where the squares of the columns are these before the projection.
 fn limit(before: &[f64]) -> f64 {
     VISIBLE * before.iter().fold(0.0_f64, |max, &b| max.max(b))
@@ -189,8 +193,7 @@ pub(crate) fn restricted_likelihood(
     if limit <= 0.0 {
         return (0.0, 0.0);
     }
-    let element = |i: usize, j: usize| 0.5 * (gram[i * n + j] + gram[j * n + i]);
-    let all = eigenvalues_along(s, element).unwrap_or_default();
+    let all = eigenvalues_along(s, symmetric(gram, n)).unwrap_or_default();
     let seen = all.into_iter().filter(|(value, _)| *value > limit);
     let seen: Vec<(f64, f64)> = seen.map(|(g, along)| (g, along / g.sqrt())).collect();
     best_width(&seen, |gained, ln_price| {

@@ -4,29 +4,17 @@
 //! begins with what wanders; a third has nothing else. The one with the most evidence is taken: each further name costs
 //! [`DECISIVE`], and what can be anything twice that.
 
-use trueaxis_effects::Shape;
-
-use crate::engine::{Chosen, FURTHER_LEVEL, Listed, beside_one_of, without};
-use crate::selection::{DECISIVE, Score, combined, dot};
+use crate::engine::{Chosen, FURTHER_LEVEL};
+use crate::selection::{DECISIVE, Score};
 use crate::verification::believed::{with_gain, without_imitations};
-use crate::verification::comparison::COUPLING;
+use crate::verification::described::described;
 use crate::verification::held_out::{gain, held_out};
+use crate::verification::instead::simple_instead;
 use crate::verification::lost_motion::FORMS;
-use crate::verification::omnibus::omnibus;
+use crate::verification::model::{Model, evidence, has, have_same, is_coupling, is_left, only};
 use crate::verification::problem::Problem;
 use crate::verification::search::{drop_superfluous, opposed, search, search_from};
-use crate::verification::wanderer::Wanderer;
 use crate::verification::wandering::{FittedProcess, wandering};
-
-/// Causes, and what wanders beside them.
-pub(crate) struct Model<'a> {
-    /// The readings, what wanders in their covariance.
-    pub(crate) problem: Problem<'a>,
-    pub(crate) wandering: Vec<FittedProcess>,
-    pub(crate) causes: Vec<Chosen>,
-    /// Others that explain all with nearly as much evidence.
-    pub(crate) as_good: Vec<Vec<Chosen>>,
-}
 
 /// Searches until one holds, at most.
 const MOST_TRIES: usize = 3;
@@ -44,12 +32,8 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
     };
     let mut models = Vec::new();
     // A coupling may imitate squareness and scale together.
-    if is_complete
-        && of_causes
-            .causes
-            .iter()
-            .any(|cause| is_coupling(plain, cause.candidate))
-    {
+    let mut found = of_causes.causes.iter();
+    if is_complete && found.any(|cause| is_coupling(plain, cause.candidate)) {
         let all = 0..plain.listed.candidates.len();
         let couplings: Vec<usize> = all.filter(|&number| is_coupling(plain, number)).collect();
         models.extend(whole(plain, &couplings));
@@ -77,10 +61,9 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
     let helping = models.filter(|model| helps(plain, model));
     let models = without_rests(std::iter::once(of_causes).chain(helping).collect());
     let scored = models.into_iter();
-    let mut scored: Vec<(f64, Model<'a>)> = scored
-        .map(|model| (evidence(plain, &model), model))
-        .collect();
-    // The first of those that are as good.
+    let scored = scored.map(|model| (evidence(plain, &model), model));
+    let mut scored: Vec<(f64, Model<'a>)> = scored.collect();
+    // Stable: the first of those that are as good.
     scored.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut scored = scored.into_iter();
     let Some((most, mut best)) = scored.next() else {
@@ -93,50 +76,10 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
         };
         let near = scored.take_while(|(evidence, _)| most - evidence < DECISIVE);
         let as_good = near.filter(|(_, model)| are_as_good(model));
-        let as_good: Vec<Vec<Chosen>> = as_good.map(|(_, model)| model.causes).collect();
-        best.as_good = as_good;
-        let simple = simple_instead(plain, &best, most);
-        best.as_good.extend(simple);
+        let as_good = as_good.map(|(_, model)| model.causes);
+        best.as_good = as_good.chain(simple_instead(plain, &best, most)).collect();
     }
     best
-}
-
-/// Effects of one parameter, or pairs of them, that explain as much as a coupling in their place, significant or not.
-fn simple_instead(plain: &Problem<'_>, best: &Model<'_>, most: f64) -> Vec<Vec<Chosen>> {
-    let coupling = |cause: &Chosen| is_coupling(plain, cause.candidate);
-    let Some(coupling) = best.causes.iter().position(coupling) else {
-        return Vec::new();
-    };
-    let listed = &plain.listed;
-    let others = without(&best.causes, coupling);
-    let beside = listed.beside(&others);
-    let is_simple = |score: &&Score| {
-        let candidate = listed.candidate(&beside, score);
-        candidate.plausible.len() == 1 && !candidate.is_of_any_form()
-    };
-    let simple = beside.scores.iter().filter(is_simple).take(FIRST);
-    let simple: Vec<Chosen> = simple.map(|score| listed.chosen(&beside, score)).collect();
-    let ones = (0..simple.len()).map(|i| vec![simple[i]]);
-    let pairs = (0..simple.len()).flat_map(|i| (0..i).map(move |j| [j, i]));
-    let pairs = pairs.map(|pair| pair.map(|i| simple[i]).to_vec());
-    let mut as_good: Vec<Vec<Chosen>> = Vec::new();
-    for own in ones.chain(pairs) {
-        let model = Model {
-            causes: [&others[..], &own].concat(),
-            ..only(plain, Vec::new())
-        };
-        let has_more = as_good
-            .iter()
-            .any(|few| few.iter().all(|one| has(&model.causes, one)));
-        if !has_more && most - evidence(plain, &model) < DECISIVE && !is_left(&model) {
-            as_good.push(model.causes);
-        }
-    }
-    as_good
-}
-
-fn is_coupling(plain: &Problem<'_>, candidate: usize) -> bool {
-    plain.listed.candidates[candidate].hypothesis.effect.id == COUPLING
 }
 
 /// Sets of causes beside which something may wander.
@@ -146,9 +89,7 @@ fn suspected(plain: &Problem<'_>, of_causes: &[Chosen]) -> Vec<Vec<Chosen>> {
     without_imitations(plain, &mut holding);
     // A form of one parameter that leaves much of what wanders may be right; others imitate it.
     let may_be_right = |cause: &&Chosen| {
-        let candidate = &plain.listed.candidates[cause.candidate];
-        let is_simple = candidate.plausible.len() == 1 && !candidate.is_of_any_form();
-        is_simple || holding.contains(cause)
+        plain.listed.candidates[cause.candidate].is_simple() || holding.contains(cause)
     };
     let together: Vec<Chosen> = found.iter().filter(may_be_right).copied().collect();
     // Each by itself: beside another one that is a part of what wanders, lost motion was lost. That is tried in any case.
@@ -185,8 +126,8 @@ fn lost_motion(plain: &Problem<'_>) -> Vec<Chosen> {
 const FIRST: usize = 4;
 const MOST_OF_ALL: usize = 5;
 
-/// Several causes, none of them `excluded`, that leave nothing: of a pair that one cause imitates neither is the first, and what is little against the others was
-/// taken for their shape.
+/// Several causes, none of them `excluded`, that leave nothing: of a pair that one cause imitates neither is the first, and
+/// what is little against the others was taken for their shape.
 fn whole<'a>(plain: &Problem<'a>, excluded: &[usize]) -> Vec<Model<'a>> {
     let listed = &plain.listed;
     let beside = listed.beside(&[]);
@@ -226,16 +167,6 @@ fn helps(plain: &Problem<'_>, model: &Model<'_>) -> bool {
     let with = held_out(&model.problem, &model.causes);
     // What cannot be held out cannot be refuted.
     gain(plain, &without, &with).is_none_or(|gain| gain.upper_bound < 1.0)
-}
-
-/// Only what wanders.
-pub(crate) fn only<'a>(plain: &Problem<'a>, wandering: Vec<FittedProcess>) -> Model<'a> {
-    Model {
-        problem: plain.beside(&wandering),
-        wandering,
-        causes: Vec::new(),
-        as_good: Vec::new(),
-    }
 }
 
 /// Causes with what wanders beside them, without those that are not significant there or imitate what is left; none if
@@ -282,23 +213,6 @@ fn without_rests(models: Vec<Model<'_>>) -> Vec<Model<'_>> {
     kept.map(|(model, _)| model).collect()
 }
 
-/// Whether a cause is among some, whatever its shape.
-fn has(causes: &[Chosen], own: &Chosen) -> bool {
-    causes.iter().any(|cause| cause.candidate == own.candidate)
-}
-
-/// Whether two models have the same causes.
-fn have_same(first: &[Chosen], second: &[Chosen]) -> bool {
-    first.len() == second.len() && first.iter().all(|own| has(second, own))
-}
-
-/// Whether a test finds anything that the model leaves.
-fn is_left(model: &Model<'_>) -> bool {
-    let projection = model.problem.listed.with(&model.causes);
-    let tests = omnibus(&model.problem, &projection);
-    tests.iter().any(|t| t.test.p_value < model.problem.level)
-}
-
 /// Causes that hold on unused readings, structure beside them that they do not merely imitate. What does not hold
 /// gives its place to the next.
 fn causes(problem: &Problem<'_>) -> Vec<Chosen> {
@@ -327,95 +241,4 @@ fn causes(problem: &Problem<'_>) -> Vec<Chosen> {
         excluded.extend(first);
     }
     Vec::new()
-}
-
-/// Twice the logarithm of the marginal likelihood ratio against the model without anything, less what names cost.
-fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
-    let mut sum = 0.0;
-    let mut projection = plain.listed.base.clone();
-    for own in &model.wandering {
-        let (evidence, next) = beside_one_of(&projection, &own.columns(plain), own.tried(plain));
-        sum += evidence;
-        projection = next;
-    }
-    let listed = Listed {
-        base: projection,
-        candidates: plain.listed.candidates.clone(),
-    };
-    let mut names = 2 * model.wandering.len();
-    for (k, cause) in model.causes.iter().enumerate() {
-        let beside = listed.beside(&model.causes[..k]);
-        let own = |score: &&Score| beside.numbers[score.scan] == cause.candidate;
-        let own = beside.scores.iter().find(own);
-        sum += own.map_or(0.0, |score| score.evidence);
-        names += match own {
-            // Each direction is an error of its own.
-            Some(score) if is_coupling(plain, cause.candidate) => score.rank,
-            _ => 1,
-        };
-    }
-    sum - DECISIVE * names.saturating_sub(1) as f64
-}
-
-/// A cause in time is no more than a part of what wanders if this part of what it explains is left to that.
-const PART: f64 = 0.1;
-
-/// A wave along an axis whose curve wanders over the position is a rest of that, if it explains less than this part of it, or if it
-/// is longer than this part of the correlation length: then the curve may go so by itself.
-const REST: f64 = 0.25;
-const OWN_COURSE: f64 = 0.75;
-
-/// Squares of what a cause of a model does to the readings, in variances of the noise.
-fn squares_of(plain: &Problem<'_>, model: &Model<'_>, k: usize) -> f64 {
-    let listed = &model.problem.listed;
-    let columns = listed.columns(std::slice::from_ref(&model.causes[k]));
-    let sizes = listed.sizes(&model.causes);
-    let mut effect = combined(plain.listed.base.rows(), &columns, &sizes[k].fit.estimates);
-    plain.listed.base.project(&mut effect);
-    dot(&effect, &effect)
-}
-
-/// The model without causes that do not describe the course that they give a name.
-fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>) -> Model<'a> {
-    loop {
-        let listed = &model.problem.listed;
-        let wanders_on = |k: usize| {
-            let hypothesis = listed.hypothesis(&model.causes[k]);
-            let explained = || {
-                listed.judge(&model.causes, k).map_or(0.0, |judged| {
-                    let after = listed.with(&model.causes);
-                    judged.score.statistic * after.degrees_of_freedom / after.squares()
-                })
-            };
-            let is_wave = hypothesis.effect.shape == Shape::Period;
-            let of_curve = |own: &FittedProcess| {
-                let others = model
-                    .wandering
-                    .iter()
-                    .filter(|w| w.wanderer != own.wanderer);
-                let others: Vec<FittedProcess> = others.cloned().collect();
-                let without = plain.beside(&others).listed.with(&model.causes).squares();
-                without - listed.with(&model.causes).squares()
-            };
-            let is_rest = |own: &FittedProcess| {
-                let [first, last] = plain.comparison.range;
-                let is_long = plain.comparison.line().is_some()
-                    && model.causes[k].shape > OWN_COURSE * own.form.length() * (last - first);
-                is_long || squares_of(plain, &model, k) < REST * of_curve(own)
-            };
-            model.wandering.iter().any(|own| match own.wanderer {
-                Wanderer::Position if is_wave => is_rest(own),
-                wanderer if wanderer.is_course_of(hypothesis) => own.evidence > PART * explained(),
-                _ => false,
-            })
-        };
-        let Some(undescribed) = (0..model.causes.len()).find(|&k| wanders_on(k)) else {
-            return model;
-        };
-        let mut others = model.causes.clone();
-        others.remove(undescribed);
-        model = only(plain, wandering(plain, &others));
-        model.causes = others;
-        drop_superfluous(&model.problem.listed, &mut model.causes, plain.level);
-    }
 }

@@ -2,7 +2,7 @@
 
 use trueaxis_effects::{Level, Scene, Subject};
 
-use crate::engine::{Chosen, Judged, Listed, places as places_by, side};
+use crate::engine::{Chosen, Judged, Listed, places as places_by, side, without};
 use crate::fitted::{Against, Fitted, Row};
 use crate::selection::{Fit, Projection, combined, cosine, is_rival};
 use crate::verification::arrivals::Arrival;
@@ -157,10 +157,10 @@ pub(crate) fn add_rivals(
     };
     let has = |all: &[Chosen], one: (&str, Subject)| all.iter().any(|own| name(own) == one);
     for (k, (other, sized)) in others.iter().zip(listed.sizes(others)).enumerate() {
-        let Some(judged) = listed
-            .judge(others, k)
-            .filter(|_| !has(chosen, name(other)))
-        else {
+        if has(chosen, name(other)) {
+            continue;
+        }
+        let Some(score) = listed.beside(&without(others, k)).score_of(other) else {
             continue;
         };
         let effect = listed.candidates[other.candidate].resolved(&sized.fit.estimates, other.shape);
@@ -174,7 +174,7 @@ pub(crate) fn add_rivals(
             if !cause.rivals.iter().any(is_it) {
                 cause.rivals.push(Rival::Effect {
                     effect: effect.clone(),
-                    delta_bic: judged.score.bic,
+                    delta_bic: score.bic,
                 });
             }
         }

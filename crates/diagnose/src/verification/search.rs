@@ -232,9 +232,8 @@ fn refine(listed: &Listed, causes: &mut [Chosen]) {
             continue;
         }
         let beside = listed.beside(&without(causes, k));
-        let own = |score: &&Score| beside.numbers[score.scan] == causes[k].candidate;
-        if let Some(score) = beside.scores.iter().find(own) {
-            causes[k] = listed.chosen(&beside, score);
+        if let Some(score) = beside.score_of(&causes[k]) {
+            causes[k] = listed.chosen(&beside, &score);
         }
     }
 }

@@ -1,0 +1,77 @@
+//! Whether causes describe how what they name goes, where something wanders beside them.
+
+use trueaxis_effects::Shape;
+
+use crate::engine::without;
+use crate::selection::{combined, dot};
+use crate::verification::model::{Model, only};
+use crate::verification::problem::Problem;
+use crate::verification::search::drop_superfluous;
+use crate::verification::wanderer::Wanderer;
+use crate::verification::wandering::{FittedProcess, wandering};
+
+/// A cause in time is no more than a part of what wanders if this part of what it explains is left to that.
+const PART: f64 = 0.1;
+
+/// A wave along an axis whose curve wanders over the position is a rest of that, if it explains less than this part of it, or if it
+/// is longer than this part of the correlation length: then the curve may go so by itself.
+const REST: f64 = 0.25;
+const OWN_COURSE: f64 = 0.75;
+
+/// Squares of what a cause of a model does to the readings, in variances of the noise.
+fn squares_of(plain: &Problem<'_>, model: &Model<'_>, k: usize) -> f64 {
+    let listed = &model.problem.listed;
+    let columns = listed.columns(std::slice::from_ref(&model.causes[k]));
+    let sizes = listed.sizes(&model.causes);
+    let mut effect = combined(plain.listed.base.rows(), &columns, &sizes[k].fit.estimates);
+    plain.listed.base.project(&mut effect);
+    dot(&effect, &effect)
+}
+
+/// The model without causes that do not describe the course that they give a name.
+pub(crate) fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>) -> Model<'a> {
+    loop {
+        let listed = &model.problem.listed;
+        let wanders_on = |k: usize| {
+            let hypothesis = listed.hypothesis(&model.causes[k]);
+            let explained = || {
+                let own = listed
+                    .beside(&without(&model.causes, k))
+                    .score_of(&model.causes[k]);
+                own.map_or(0.0, |score| {
+                    let after = listed.with(&model.causes);
+                    score.statistic * after.degrees_of_freedom / after.squares()
+                })
+            };
+            let is_wave = hypothesis.effect.shape == Shape::Period;
+            let of_curve = |own: &FittedProcess| {
+                let others = model
+                    .wandering
+                    .iter()
+                    .filter(|w| w.wanderer != own.wanderer);
+                let others: Vec<FittedProcess> = others.cloned().collect();
+                let without = plain.beside(&others).listed.with(&model.causes).squares();
+                without - listed.with(&model.causes).squares()
+            };
+            let is_rest = |own: &FittedProcess| {
+                let [first, last] = plain.comparison.range;
+                let is_long = plain.comparison.line().is_some()
+                    && model.causes[k].shape > OWN_COURSE * own.form.length() * (last - first);
+                is_long || squares_of(plain, &model, k) < REST * of_curve(own)
+            };
+            model.wandering.iter().any(|own| match own.wanderer {
+                Wanderer::Position if is_wave => is_rest(own),
+                wanderer if wanderer.is_course_of(hypothesis) => own.evidence > PART * explained(),
+                _ => false,
+            })
+        };
+        let Some(undescribed) = (0..model.causes.len()).find(|&k| wanders_on(k)) else {
+            return model;
+        };
+        let mut others = model.causes.clone();
+        others.remove(undescribed);
+        model = only(plain, wandering(plain, &others));
+        model.causes = others;
+        drop_superfluous(&model.problem.listed, &mut model.causes, plain.level);
+    }
+}

@@ -1,0 +1,40 @@
+//! What explains as much as a coupling: on a circle away from where the axes were parked it is nearly squareness and scale.
+
+use crate::engine::{Chosen, without};
+use crate::selection::{DECISIVE, Score};
+use crate::verification::model::{Model, evidence, has, is_coupling, is_left, only};
+use crate::verification::problem::Problem;
+
+/// Effects that are tried, those with the most evidence.
+const MOST: usize = 4;
+
+/// Effects of one parameter, or pairs of them, that explain as much as a coupling in their place, significant or not.
+pub(crate) fn simple_instead(plain: &Problem<'_>, best: &Model<'_>, most: f64) -> Vec<Vec<Chosen>> {
+    let coupling = |cause: &Chosen| is_coupling(plain, cause.candidate);
+    let Some(coupling) = best.causes.iter().position(coupling) else {
+        return Vec::new();
+    };
+    let listed = &plain.listed;
+    let others = without(&best.causes, coupling);
+    let beside = listed.beside(&others);
+    let is_simple = |score: &&Score| listed.candidate(&beside, score).is_simple();
+    let simple = beside.scores.iter().filter(is_simple).take(MOST);
+    let simple: Vec<Chosen> = simple.map(|score| listed.chosen(&beside, score)).collect();
+    let ones = (0..simple.len()).map(|i| vec![simple[i]]);
+    let pairs = (0..simple.len()).flat_map(|i| (0..i).map(move |j| [j, i]));
+    let pairs = pairs.map(|pair| pair.map(|i| simple[i]).to_vec());
+    let mut as_good: Vec<Vec<Chosen>> = Vec::new();
+    for own in ones.chain(pairs) {
+        let model = Model {
+            causes: [&others[..], &own].concat(),
+            ..only(plain, Vec::new())
+        };
+        let has_more = as_good
+            .iter()
+            .any(|few| few.iter().all(|one| has(&model.causes, one)));
+        if !has_more && most - evidence(plain, &model) < DECISIVE && !is_left(&model) {
+            as_good.push(model.causes);
+        }
+    }
+    as_good
+}

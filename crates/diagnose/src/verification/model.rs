@@ -1,0 +1,75 @@
+//! A model of readings: causes, and what wanders beside them.
+
+use crate::engine::{Chosen, Listed, beside_one_of};
+use crate::selection::DECISIVE;
+use crate::verification::comparison::COUPLING;
+use crate::verification::omnibus::omnibus;
+use crate::verification::problem::Problem;
+use crate::verification::wandering::FittedProcess;
+
+/// Causes, and what wanders beside them.
+pub(crate) struct Model<'a> {
+    /// The readings, what wanders in their covariance.
+    pub(crate) problem: Problem<'a>,
+    pub(crate) wandering: Vec<FittedProcess>,
+    pub(crate) causes: Vec<Chosen>,
+    /// Others that explain all with nearly as much evidence.
+    pub(crate) as_good: Vec<Vec<Chosen>>,
+}
+
+/// Only what wanders.
+pub(crate) fn only<'a>(plain: &Problem<'a>, wandering: Vec<FittedProcess>) -> Model<'a> {
+    Model {
+        problem: plain.beside(&wandering),
+        wandering,
+        causes: Vec::new(),
+        as_good: Vec::new(),
+    }
+}
+
+/// Whether a cause is among some, whatever its shape.
+pub(crate) fn has(causes: &[Chosen], own: &Chosen) -> bool {
+    causes.iter().any(|cause| cause.candidate == own.candidate)
+}
+
+/// Whether two models have the same causes.
+pub(crate) fn have_same(first: &[Chosen], second: &[Chosen]) -> bool {
+    first.len() == second.len() && first.iter().all(|own| has(second, own))
+}
+
+/// Whether a test finds anything that the model leaves.
+pub(crate) fn is_left(model: &Model<'_>) -> bool {
+    let projection = model.problem.listed.with(&model.causes);
+    let tests = omnibus(&model.problem, &projection);
+    tests.iter().any(|t| t.test.p_value < model.problem.level)
+}
+
+/// Twice the logarithm of the marginal likelihood ratio against the model without anything, less what names cost.
+pub(crate) fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
+    let mut sum = 0.0;
+    let mut projection = plain.listed.base.clone();
+    for own in &model.wandering {
+        let (evidence, next) = beside_one_of(&projection, &own.columns(plain), own.tried(plain));
+        sum += evidence;
+        projection = next;
+    }
+    let listed = Listed {
+        base: projection,
+        candidates: plain.listed.candidates.clone(),
+    };
+    let mut names = 2 * model.wandering.len();
+    for (k, cause) in model.causes.iter().enumerate() {
+        let own = listed.beside(&model.causes[..k]).score_of(cause);
+        sum += own.map_or(0.0, |score| score.evidence);
+        names += match own {
+            // Each direction is an error of its own.
+            Some(score) if is_coupling(plain, cause.candidate) => score.rank,
+            _ => 1,
+        };
+    }
+    sum - DECISIVE * names.saturating_sub(1) as f64
+}
+
+pub(crate) fn is_coupling(plain: &Problem<'_>, candidate: usize) -> bool {
+    plain.listed.candidates[candidate].hypothesis.effect.id == COUPLING
+}
