@@ -55,18 +55,33 @@ pub(crate) fn read(path: &Path, scene: &Scene, campaign: &str) -> anyhow::Result
             ))
         })
         .with_context(in_file)?;
-    let mut file = if header.format == DIAGNOSIS {
+    let (mut file, in_part) = if header.format == DIAGNOSIS {
         of_diagnosis(&header, &text).with_context(in_file)?
     } else {
-        EffectsFile::from_json(&text).map_err(|error| placed(error, path))?
+        let file = EffectsFile::from_json(&text).map_err(|error| placed(error, path))?;
+        (file, Vec::new())
     };
     if file.effects.is_empty() {
-        let text = "it has no effects of lengths to take out; calibrate without it";
-        return Err(wrong(text.to_owned())).with_context(in_file);
+        let text = match in_part.as_slice() {
+            [] => "it has no effects of lengths to take out; calibrate without it".to_owned(),
+            in_part => format!(
+                "nothing can be taken out: {} is seen in part only, so that the data do not say what it changes in \
+                 the calibration",
+                in_part.join("; ")
+            ),
+        };
+        return Err(wrong(text)).with_context(in_file);
     }
     let exact = file.covariance.is_none() && !with_uncertainties(&mut file, scene);
     let resolved = file.resolve(scene).map_err(|error| placed(error, path))?;
     let mut notices = Vec::new();
+    if !in_part.is_empty() {
+        notices.push(format!(
+            "{}: {} is seen in part only and stays in: the data do not say what it changes in the calibration",
+            path.display(),
+            in_part.join("; ")
+        ));
+    }
     if file.campaign != campaign {
         notices.push(format!(
             "{}: the effects were found in another campaign, `{}`",
@@ -102,7 +117,11 @@ pub(crate) struct Effects {
     pub(crate) notices: Vec<String>,
 }
 
-fn of_diagnosis(header: &Header, text: &str) -> Result<EffectsFile, EffectsInputError> {
+/// The causes in the lengths whose parameters are all seen, as in the `effects.json` of a diagnosis; the others by name.
+fn of_diagnosis(
+    header: &Header,
+    text: &str,
+) -> Result<(EffectsFile, Vec<String>), EffectsInputError> {
     if header.version != 1 {
         let found = header.version;
         let text = format!("version: expected 1 of {DIAGNOSIS}, found {found}");
@@ -111,7 +130,9 @@ fn of_diagnosis(header: &Header, text: &str) -> Result<EffectsFile, EffectsInput
     let diagnosis: DiagnosisFile =
         serde_json::from_str(text).map_err(|error| EffectsInputError(error.to_string()))?;
     let causes = diagnosis.causes.into_iter();
-    let causes: Vec<CauseFile> = causes.filter(|cause| cause.level == "lengths").collect();
+    let of_lengths = causes.filter(|cause| cause.level == "lengths");
+    let (causes, in_part): (Vec<CauseFile>, Vec<CauseFile>) =
+        of_lengths.partition(|cause| cause.parameters.iter().all(|p| p.u.is_some()));
     let size = causes.iter().map(|cause| cause.covariance.len()).sum();
     let mut covariance = vec![vec![0.0; size]; size];
     let mut first = 0;
@@ -127,11 +148,13 @@ fn of_diagnosis(header: &Header, text: &str) -> Result<EffectsFile, EffectsInput
         subject: cause.subject,
         parameters: cause.parameters,
     });
-    Ok(EffectsFile {
+    let file = EffectsFile {
         campaign: diagnosis.campaign,
         effects: effects.collect(),
         covariance: Some(covariance),
-    })
+    };
+    let name = |cause: CauseFile| format!("{} ({})", cause.effect, cause.subject.describe());
+    Ok((file, in_part.into_iter().map(name).collect()))
 }
 
 /// The covariance of a file that gives none: the squares of the given uncertainties, uncorrelated. Whether

@@ -128,14 +128,18 @@ pub(crate) fn write_derived(path: &Path, bytes: &[u8]) -> Result<(), OutputError
     trueaxis_files::write_derived(path, bytes).map_err(OutputError::at(path))
 }
 
+/// Refuses to go on if one of these files is there already.
+pub(crate) fn refuse_old(paths: impl IntoIterator<Item = PathBuf>) -> Result<(), OutputError> {
+    let mut old = paths
+        .into_iter()
+        .filter(|path| path.symlink_metadata().is_ok());
+    old.next()
+        .map_or(Ok(()), |path| Err(OutputError::Exists { path }))
+}
+
 /// Writes files that become the user's own, whole or not at all. If one is there already, none is written.
 pub(crate) fn write_all_new(files: &[(&Path, String)]) -> Result<(), OutputError> {
-    for (path, _) in files {
-        if path.symlink_metadata().is_ok() {
-            let path = path.to_path_buf();
-            return Err(OutputError::Exists { path });
-        }
-    }
+    refuse_old(files.iter().map(|(path, _)| path.to_path_buf()))?;
     for (path, text) in files {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(OutputError::at(folder))?;

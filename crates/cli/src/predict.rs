@@ -55,17 +55,17 @@ pub(crate) fn run(args: &PredictArgs) -> anyhow::Result<Exit> {
 /// Which machine and calibration it is, and what is not in it.
 pub(crate) fn source(machine: &CalibratedMachine) -> Vec<String> {
     let effects = match machine.names_taken_out().as_slice() {
-        [] => "nothing taken out".to_owned(),
+        [] => String::new(),
         effects => {
             let names = effects.iter().map(|effect| effect.replace('_', " "));
             let mut names: Vec<String> = names.collect();
             names.sort();
             names.dedup();
-            format!("without {}", names.join(", "))
+            format!(" (without {})", names.join(", "))
         }
     };
     let mut lines = vec![format!(
-        "machine {}, calibrated in the campaign {} ({effects})",
+        "machine {}, calibrated in the campaign {}{effects}",
         machine.name, machine.campaign
     )];
     let unmeasured = machine.unmeasured();

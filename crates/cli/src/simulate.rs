@@ -15,8 +15,14 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Exit> {
     let simulated =
         simulate(&scenario, args.seed).with_context(|| args.scenario.display().to_string())?;
     let folder = output::folder(args.out.as_deref(), &simulated.campaign.name)?;
-    let campaign = trueaxis_campaign::write(&simulated.campaign, &folder)?;
     let truth = folder.join("truth.json");
+    // A folder that has a truth was simulated; what lies in any other may have been measured.
+    if !truth.exists() {
+        output::refuse_old(
+            ["campaign.json", "lengths.csv", "points.csv"].map(|name| folder.join(name)),
+        )?;
+    }
+    let campaign = trueaxis_campaign::write(&simulated.campaign, &folder)?;
     simulated.truth.write(&truth)?;
     let lengths = simulated.campaign.lengths.as_ref();
     say(&format!(
@@ -30,7 +36,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Exit> {
     ));
     notice_all(&simulated.campaign.notices);
     say(&format!(
-        "written: {}, {}",
+        "written: {} with its tables, {}",
         campaign.display(),
         truth.display()
     ));

@@ -127,7 +127,7 @@ impl GivenSubject {
     }
 
     /// As a message shows it: `axis X, target P`, or `all alike`.
-    fn describe(&self) -> String {
+    pub fn describe(&self) -> String {
         let parts = [
             ("station", &self.station),
             ("target", &self.target),

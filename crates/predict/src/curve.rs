@@ -155,6 +155,15 @@ impl Curve {
         mean
     }
 
+    /// The number of the gap between steps in which a position is, from 0 for what is below all of them.
+    pub(crate) fn gap(&self, position: f64) -> usize {
+        let steps_below = |side: &Side| {
+            let position = side.in_turn(position);
+            side.steps.partition_point(|&step| step < position)
+        };
+        self.sides.iter().map(steps_below).sum()
+    }
+
     /// Divided differences over neighbouring steps: of this order, or else of that of the interpolation's remainder.
     pub(crate) fn divided_differences(&self, order: Option<usize>) -> Vec<DividedDifference> {
         let of_side = |side: &Side| -> Vec<DividedDifference> {
@@ -162,6 +171,17 @@ impl Curve {
             windows.map(divided_difference).collect()
         };
         self.sides.iter().flat_map(of_side).collect()
+    }
+
+    /// Pairs of neighbours of those of the interpolation's remainder, where it is of third degree.
+    pub(crate) fn neighbouring_differences(&self) -> Vec<[DividedDifference; 2]> {
+        let cubic = self.sides.iter().filter(|side| side.order == MOST_STEPS);
+        let windows = cubic.flat_map(|side| side.knots.windows(MOST_STEPS + 2));
+        let pair = |knots: &[Knot]| {
+            let last = knots.len() - 1;
+            [&knots[..last], &knots[1..]].map(divided_difference)
+        };
+        windows.map(pair).collect()
     }
 
     /// Slopes from each step to that so many steps on.
@@ -216,7 +236,7 @@ impl Side {
     fn at(&self, mut position: f64) -> Sample {
         let [first, last] = ends(&self.steps);
         if self.is_closed && !self.whole_stencils().contains(&position) {
-            position = first + (position - first).rem_euclid(TAU);
+            position = self.in_turn(position);
         }
         let beyond = match self.is_closed {
             true => 0.0,
@@ -254,6 +274,14 @@ impl Side {
             remainder: distances.product(),
             beyond,
             is_below,
+        }
+    }
+
+    /// A position, on a closed curve that of the turn which begins with its first step.
+    fn in_turn(&self, position: f64) -> f64 {
+        match (self.is_closed, self.steps.first()) {
+            (true, Some(first)) => first + (position - first).rem_euclid(TAU),
+            _ => position,
         }
     }
 

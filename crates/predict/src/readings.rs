@@ -259,8 +259,9 @@ impl CalibratedMachine {
             let of_components = counts.columns(TRANSLATION, 6);
             let of_components = Vector6::from_iterator(of_components.iter().copied());
             let u = axis.remainder.u(&sample);
+            let gap = axis.curve.gap(position);
             row.interpolated
-                .push((axis.axis, position, of_components.component_mul(&u)));
+                .push((axis.axis, gap, of_components.component_mul(&u)));
         }
         row
     }
@@ -298,8 +299,8 @@ fn step_of((place, _): &Influence) -> usize {
 #[derive(Default)]
 struct Row {
     results: Vec<Influence>,
-    /// For each axis its position and what the interpolation of its six components may be off by, mm.
-    interpolated: Vec<(usize, f64, Vector6<f64>)>,
+    /// For each axis the gap in which it stands and what the interpolation of its six components may be off by, mm.
+    interpolated: Vec<(usize, usize, Vector6<f64>)>,
 }
 
 impl Row {
@@ -309,11 +310,12 @@ impl Row {
     }
 }
 
-/// Where an axis stands at the same place, the interpolation is off by the same.
+/// Between the same two steps the interpolation is off to the same side: `ω` keeps its sign, and the divided difference
+/// hardly changes.
 fn between_steps(a: &Row, b: &Row) -> f64 {
     let pairs = a.interpolated.iter().zip(&b.interpolated);
     pairs
-        .filter(|(a, b)| a.0 == b.0 && (a.1 - b.1).abs() <= SAME)
+        .filter(|(a, b)| (a.0, a.1) == (b.0, b.1))
         .map(|(a, b)| a.2.dot(&b.2))
         .sum()
 }

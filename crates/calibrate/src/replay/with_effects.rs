@@ -51,6 +51,11 @@ pub fn calibrate_with_effects(
             }
             calibration.add_uncertainty(&campaign.machine, &changes, |budget| &mut budget.effects);
         }
+        let contains = &mut calibration.uncertainty.contains;
+        contains.push("effects taken out".to_owned());
+    } else {
+        let lacks = &mut calibration.uncertainty.lacks;
+        lacks.push("effects taken out: they have no uncertainties".to_owned());
     }
     calibration.effects = given(campaign, effects);
     Ok(calibration)

@@ -33,6 +33,16 @@ pub(crate) fn adjustment(calibration: &Calibration) -> Vec<String> {
             coverage(calibration)
         ),
     ];
+    if !calibration.effects.is_empty() {
+        let effects = calibration.effects.iter();
+        let names =
+            effects.map(|e| format!("{} ({})", e.effect.replace('_', " "), e.subject.describe()));
+        let names: Vec<String> = names.collect();
+        lines.push(format!(
+            "taken out of the lengths before: {}",
+            names.join("; ")
+        ));
+    }
     lines.extend(a.noise.as_ref().map(noise));
     lines.extend(reflectors(calibration));
     lines.extend(scale(calibration));

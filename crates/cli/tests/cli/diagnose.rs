@@ -199,6 +199,16 @@ fn wrong_files() {
             "`S9`",
         ),
         (
+            "a cause that is seen in part only",
+            Some(
+                r#"{ "format": "trueaxis-diagnosis", "version": 1, "campaign": "FXYZ machine",
+                     "causes": [ { "effect": "dead_path_jump", "level": "lengths", "subject": { "station": "S2" },
+                                   "parameters": [ { "name": "jump", "value": 3, "u": null, "unit": "um" } ],
+                                   "covariance": [ [ 0.01 ] ] } ] }"#,
+            ),
+            "dead_path_jump (station S2) is seen in part only",
+        ),
+        (
             "a later version",
             Some(r#"{ "format": "trueaxis-diagnosis", "version": 2 }"#),
             "expected 1",

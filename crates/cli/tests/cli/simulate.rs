@@ -28,7 +28,7 @@ fn simulated(campaign: &str, seed: &str) -> Vec<Vec<u8>> {
     assert!(
         outcome
             .stderr
-            .contains("written: new/campaign.json, new/truth.json")
+            .contains("written: new/campaign.json with its tables, new/truth.json")
     );
     let new = folder.path().join("new");
     assert_eq!(file_names(&new), FILES);
@@ -67,6 +67,21 @@ fn default_folder_and_seed() {
     assert!(outcome.stderr.contains("2340 lengths, seed 1"));
     let expected = FILES.map(|name| format!("fxyz-machine/{name}"));
     assert_eq!(file_names(folder.path()), expected);
+}
+
+#[test]
+fn what_was_measured_is_not_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let again = || {
+        let scenario = scenario_path("fxyz");
+        run(folder.path(), &["simulate", &scenario, "--out", "out"])
+    };
+    again().assert_good();
+    again().assert_good();
+    fs::remove_file(folder.path().join("out/truth.json")).unwrap();
+    let before = contents(folder.path());
+    again().assert_failed("measured", USAGE, "out/campaign.json is there already");
+    assert_eq!(contents(folder.path()), before);
 }
 
 #[test]
