@@ -42,6 +42,7 @@ mod omnibus;
 mod one_side;
 mod one_size;
 mod order;
+mod pauses;
 mod prediction_error;
 mod problem;
 mod report;
@@ -53,6 +54,7 @@ mod stack;
 mod stops;
 mod take_away;
 mod together;
+mod turned;
 mod units;
 mod wandered;
 mod wanderer;
@@ -67,7 +69,7 @@ use crate::components::diagnose_line_curve;
 use crate::said::Said;
 use crate::verification::alike::alike_scales;
 use crate::verification::base::base_columns;
-use crate::verification::comparison::Comparison;
+use crate::verification::comparison::{Comparison, TIMESTAMP_OFFSET};
 use crate::verification::copied::copied;
 use crate::verification::given_once::{given_once, keep_rows_given_once};
 use crate::verification::gross_error::GrossError;
@@ -84,6 +86,7 @@ use crate::verification::resolution::{hidden_um, resolution_um};
 use crate::verification::series::Series;
 use crate::verification::stops::slips_within_stops;
 use crate::verification::together::together;
+use crate::verification::turned::{put_right, turned};
 
 /// False alarms of all verifications of a campaign together: once for the causes, once for the omnibus
 /// tests.
@@ -121,6 +124,13 @@ pub(crate) fn diagnose_verification(
         notices.extend(copied.map(|copied| format!("{}: {copied}", verification.name)));
         notices.extend(put_in_order(&mut verification));
         leave_gross_errors_out(machine, &mut verification, calibration, &mut outcome);
+        let found = turned(&Comparison::new(machine, &verification, calibration));
+        if let Some((ends, said)) = found {
+            put_right(&mut verification, &ends);
+            outcome
+                .notices
+                .push(format!("{}: {said}", verification.name));
+        }
         kept.push(verification);
     }
     let comparisons = kept.iter().map(|verification| {
@@ -280,7 +290,7 @@ fn judged<'a>(
     }
     // Late time stamps look like it.
     let mut others = found.model.causes.clone();
-    others.retain(|cause| found.plain.listed.hypothesis(cause).effect.id != "timestamp_offset");
+    others.retain(|cause| found.plain.listed.hypothesis(cause).effect.id != TIMESTAMP_OFFSET);
     if let Some([size, most]) = beyond_drives(&found.plain, &others) {
         let unit = match comparison.machine.axes()[comparison.axis()].kind() {
             AxisKind::Linear => "µm",

@@ -16,6 +16,9 @@ use crate::verification::arrivals::{Arrival, are_timed, arrivals, is_same};
 /// The effect of one axis on another.
 pub(crate) const COUPLING: &str = "cross_coupling";
 
+/// Readings that are taken late.
+pub(crate) const TIMESTAMP_OFFSET: &str = "timestamp_offset";
+
 /// A unit of a parameter that changes a reading by less changes nothing, µm.
 const ROUNDING_UM: f64 = 1e-9;
 

@@ -13,7 +13,7 @@ use crate::verification::instead::simple_instead;
 use crate::verification::lost_motion::FORMS;
 use crate::verification::model::{Model, evidence, has, have_same, is_coupling, is_left, only};
 use crate::verification::problem::Problem;
-use crate::verification::search::{drop_superfluous, opposed, search, search_from};
+use crate::verification::search::{drop_superfluous, opposed, refine, search, search_from};
 use crate::verification::wandering::{FittedProcess, wandering};
 
 /// Searches until one holds, at most.
@@ -181,6 +181,8 @@ fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>) -> Option<Model<'a>>
         if model.wandering.is_empty() {
             return None;
         }
+        // Where a cause began, and how long it took, is another beside what wanders.
+        refine(&model.problem.listed, &mut causes);
         // The true course is never quite the process.
         let level = plain.level.min(FURTHER_LEVEL);
         drop_superfluous(&model.problem.listed, &mut causes, level);

@@ -7,14 +7,20 @@ use trueaxis_leastsquares::median;
 
 use crate::engine::{Candidate, Finer, in_equal_ratios, plausible};
 use crate::selection::{Hypothesis, middle};
-use crate::verification::comparison::{COUPLING, Comparison};
+use crate::verification::arrivals::Arrival;
+use crate::verification::comparison::{COUPLING, Comparison, TIMESTAMP_OFFSET};
 use crate::verification::lost_motion;
+use crate::verification::one_side;
+use crate::verification::order::goes_against_its_sides;
 
 /// Time constants that are tried, in equal ratios.
 const TIME_CONSTANTS: i32 = 16;
 
 /// Readings within a time constant: fewer do not tell it from a slip.
 const LEAST_READINGS: f64 = 3.0;
+
+/// Arrivals on either side of an instant, at least (a quarter of all, if that is less).
+const LEAST_ARRIVALS: usize = 3;
 
 /// Instants that are tried at most.
 const INSTANTS: usize = 100;
@@ -44,7 +50,10 @@ pub(crate) fn candidates<'a>(
     let mut all = Vec::new();
     let readings: usize = comparison.arrivals.iter().map(|a| a.readings).sum();
     for &effect in catalogue() {
-        if !effect.levels.contains(&Level::Verification) {
+        // Nothing tells then when the axis went which way.
+        let is_open = effect.id == TIMESTAMP_OFFSET
+            && (goes_against_its_sides(comparison) || one_side::doubt(comparison).is_some());
+        if !effect.levels.contains(&Level::Verification) || is_open {
             continue;
         }
         let mut scene = Scene {
@@ -198,13 +207,24 @@ fn shapes(comparison: &Comparison<'_>, shape: Shape, subject: &Subject) -> Vec<f
     }
 }
 
-/// Between two readings each, in the middle of which an instant is tried.
+/// Between two readings each, in the middle of which an instant is tried: not where fewer than three arrivals are on one side,
+/// which show nothing that stays.
 fn gaps_s(comparison: &Comparison<'_>) -> Vec<[f64; 2]> {
-    let times = comparison.arrivals.iter().flat_map(|a| &a.times_s);
-    let mut times: Vec<f64> = times.copied().collect();
+    let mut arrivals: Vec<&Arrival> = comparison.arrivals.iter().collect();
+    arrivals.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    let margin = LEAST_ARRIVALS.min(arrivals.len() / 4).max(1);
+    let within = arrivals
+        .get(margin - 1)
+        .zip(arrivals.iter().nth_back(margin - 1));
+    let within =
+        within.and_then(|(a, b)| a.times_s.last().copied().zip(b.times_s.first().copied()));
+    let mut times: Vec<f64> = arrivals.iter().flat_map(|a| &a.times_s).copied().collect();
     times.sort_by(f64::total_cmp);
     let between = times.windows(2).map(|pair| [pair[0], pair[1]]);
-    between.filter(|gap| gap[0] < gap[1]).collect()
+    let is_inside = |gap: &[f64; 2]| {
+        gap[0] < gap[1] && within.is_some_and(|(from, to)| gap[0] >= from && gap[1] <= to)
+    };
+    between.filter(is_inside).collect()
 }
 
 /// Whether a shape may have any value between two of its list; waves of a turn are whole, and instants lie between two readings.

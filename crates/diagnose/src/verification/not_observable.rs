@@ -7,6 +7,7 @@ use trueaxis_kinematics::AxisKind;
 use crate::NotObservable;
 use crate::engine::in_words;
 use crate::verification::base::absorbed;
+use crate::verification::comparison::TIMESTAMP_OFFSET;
 use crate::verification::hypotheses::{is_of_both_sides, sampling};
 use crate::verification::problem::Problem;
 
@@ -54,7 +55,7 @@ fn not_reached(problem: &Problem<'_>, effect: &Effect, subject: &Subject) -> &'s
     let arrivals = &problem.comparison.arrivals;
     let stands = |axis: usize| arrivals.iter().all(|a| a.speeds_per_s[axis].abs() <= 0.0);
     match subject.axis {
-        Some(axis) if effect.id == "timestamp_offset" && stands(axis) => {
+        Some(axis) if effect.id == TIMESTAMP_OFFSET && stands(axis) => {
             "the axis stands still at the readings, or the table has no times"
         }
         _ => "it does not change what was measured here",

@@ -24,22 +24,20 @@ pub(crate) fn put_in_order(verification: &mut Verification) -> Option<String> {
         let time_s = |reading: &VerificationReading| reading.time_s.unwrap_or_default();
         let readings = &mut verification.readings;
         readings.sort_by(|a, b| time_s(a).total_cmp(&time_s(b)));
-        return None;
+        let is_exchanged = order(verification) == Some(Order::Exchanged);
+        return is_exchanged.then(|| {
+            format!(
+                "{}: by time_s, passes go against their direction: forward and backward may be exchanged, and late time stamps \
+                 are not looked for",
+                verification.name
+            )
+        });
     }
     let axis = line(&verification.kind)?;
-    let readings = &verification.readings;
-    let lines = positioning_lines(axis, readings.iter().map(|r| r.positions.as_slice()));
-    let rows = readings.iter().map(|r| Stop {
-        cycle: r.cycle,
-        direction: r.direction,
-        at: r.positions[axis],
-    });
-    let found = by_line(rows, &lines).into_iter().map(|mut stops| {
-        stops.dedup_by(|a, b| a.is(b));
-        Order::of(&stops)
-    });
-    let order = found.max().unwrap_or(Order::Measured);
+    let order = order(verification)?;
     if order == Order::Printed {
+        let readings = &verification.readings;
+        let lines = positioning_lines(axis, readings.iter().map(|r| r.positions.as_slice()));
         let mut numbered: Vec<(usize, VerificationReading)> = lines
             .into_iter()
             .zip(std::mem::take(&mut verification.readings))
@@ -59,6 +57,34 @@ pub(crate) fn put_in_order(verification: &mut Verification) -> Option<String> {
     }
     let said = order.in_words()?;
     Some(format!("{}: without time_s {said}", verification.name))
+}
+
+/// What the order of the rows of a line is.
+fn order(verification: &Verification) -> Option<Order> {
+    let axis = line(&verification.kind)?;
+    let readings = &verification.readings;
+    let lines = positioning_lines(axis, readings.iter().map(|r| r.positions.as_slice()));
+    let rows = readings.iter().map(|r| Stop {
+        cycle: r.cycle,
+        direction: r.direction,
+        at: r.positions[axis],
+    });
+    let found = by_line(rows, &lines).into_iter().map(|mut stops| {
+        stops.dedup_by(|a, b| a.is(b));
+        Order::of(&stops)
+    });
+    found.max()
+}
+
+/// Whether passes of a line go against their side.
+pub(crate) fn goes_against_its_sides(comparison: &Comparison<'_>) -> bool {
+    if comparison.line().is_none() {
+        return false;
+    }
+    let of_lines = by_line(stops(comparison), &lines(comparison));
+    of_lines
+        .iter()
+        .any(|stops| Order::of(stops) == Order::Exchanged)
 }
 
 /// Rows of one line that follow each other at one position from one side in one cycle.
@@ -174,14 +200,9 @@ fn goes_with_its_side(pass: &[Stop]) -> Option<bool> {
 /// Whether rows without a clock were taken as a step cycle: position after position, in all cycles or in each, from either side in
 /// turn. Tables with both sides beside each other are printed so, too.
 pub(crate) fn takes_turns(comparison: &Comparison<'_>) -> bool {
-    let Some(axis) = comparison.line().filter(|_| !comparison.timed) else {
+    if comparison.line().is_none() || comparison.timed {
         return false;
-    };
-    let stops = comparison.arrivals.iter().map(|arrival| Stop {
-        cycle: arrival.cycle,
-        direction: came_from(arrival),
-        at: arrival.positions[axis],
-    });
+    }
     let takes_turns = |of_line: &Vec<Stop>| {
         let mut cycles = of_line.chunk_by(|a, b| a.cycle == b.cycle);
         let turns = of_line
@@ -189,7 +210,18 @@ pub(crate) fn takes_turns(comparison: &Comparison<'_>) -> bool {
             .filter(|two| is_same(two[0].at, two[1].at));
         turns.count() > 1 && (is_step_cycle(of_line) || cycles.all(is_step_cycle))
     };
-    by_line(stops, &lines(comparison)).iter().any(takes_turns)
+    by_line(stops(comparison), &lines(comparison))
+        .iter()
+        .any(takes_turns)
+}
+
+fn stops(comparison: &Comparison<'_>) -> impl Iterator<Item = Stop> {
+    let axis = comparison.axis();
+    comparison.arrivals.iter().map(move |arrival| Stop {
+        cycle: arrival.cycle,
+        direction: came_from(arrival),
+        at: arrival.positions[axis],
+    })
 }
 
 /// Whether all rows of a position follow each other, from either side in turn.

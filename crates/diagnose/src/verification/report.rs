@@ -8,6 +8,7 @@ use crate::selection::{Fit, Projection, combined, cosine, is_rival};
 use crate::verification::arrivals::Arrival;
 use crate::verification::held_out::gain_of;
 use crate::verification::lost_motion::{curve, shown_along};
+use crate::verification::pauses::rivals_by_pauses;
 use crate::verification::problem::Problem;
 use crate::verification::search::{contains, ln_more};
 use crate::verification::wandering::{FittedProcess, rival_disturbances};
@@ -70,6 +71,7 @@ pub(crate) fn causes(
             rivals: [
                 rival_disturbances(problem, wandering, chosen, k, judged.score.evidence),
                 rivals(&problem.listed, &chosen[k..=k], &judged),
+                rivals_by_pauses(problem, chosen, k, judged.score.evidence),
             ]
             .concat(),
             curve: curve.unwrap_or_default(),

@@ -82,9 +82,9 @@ fn grown(
         }
         let before = causes.clone();
         causes.push(next);
-        refine(listed, &mut causes);
         // A single cause was judged when it joined.
         if causes.len() > 1 {
+            refine(listed, &mut causes);
             drop_superfluous(listed, &mut causes, least);
             if opposed(listed, &causes) {
                 return before;
@@ -220,10 +220,7 @@ pub(crate) fn contains(model: &Projection, with: &Projection, columns: &[Vec<f64
 }
 
 /// Looks for each shape again with the other causes in the model.
-fn refine(listed: &Listed, causes: &mut [Chosen]) {
-    if causes.len() < 2 {
-        return;
-    }
+pub(crate) fn refine(listed: &Listed, causes: &mut [Chosen]) {
     for k in 0..causes.len() {
         if !listed.candidates[causes[k].candidate]
             .hypothesis

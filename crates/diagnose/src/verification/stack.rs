@@ -14,6 +14,7 @@ use trueaxis_predict::CalibratedMachine;
 
 use crate::engine::{Candidate, Chosen, Finer, Listed, without};
 use crate::selection::{Fit, Hypothesis, Projection, combined, dot};
+use crate::verification::comparison::TIMESTAMP_OFFSET;
 use crate::verification::hypotheses::is_continuous;
 use crate::verification::prediction_error::prediction_directions;
 use crate::verification::series::Series;
@@ -36,7 +37,7 @@ const SHOWN: f64 = 0.1;
 pub(crate) fn is_of_all(series: &Series<'_>, candidate: &Candidate<'_>) -> bool {
     let Hypothesis { effect, .. } = candidate.hypothesis;
     // Without a clock lag is in parts of the time between two readings of this series.
-    let counts_readings = effect.id == "timestamp_offset" && !series.plain.comparison.timed;
+    let counts_readings = effect.id == TIMESTAMP_OFFSET && !series.plain.comparison.timed;
     let is_of_its_clock =
         counts_readings || candidate.hypothesis.is_of_time() || effect.id == "axis_expansion";
     let has_shape_of_all = matches!(effect.shape, Shape::Fixed | Shape::Period | Shape::Waves);

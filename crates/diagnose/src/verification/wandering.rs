@@ -4,7 +4,8 @@ use trueaxis_effects::Layer;
 
 use crate::Rival;
 use crate::engine::{Candidate, Chosen, Posterior, SMOOTH_LEVEL, Smooth, without};
-use crate::selection::{ALIKE, DECISIVE, Fit, Projection, by_evidence, ln_f_test};
+use crate::selection::{ALIKE, DECISIVE, Fit, Hypothesis, Projection, by_evidence, ln_f_test};
+use crate::verification::comparison::Comparison;
 use crate::verification::lost_motion::beyond_drives;
 use crate::verification::problem::Problem;
 use crate::verification::wandered::curve;
@@ -128,20 +129,29 @@ pub(crate) fn rival_disturbances(
             evidence: own.evidence,
         })
     });
-    // No shift or drift of the machine turns a rotary axis: what its readings cannot tell from the zero of the instrument, an encoder,
-    // a clamp or a belt that slips, has no name in the catalogue.
-    let is_of_instrument = hypothesis.is_of_time() && hypothesis.effect.layer == Layer::Instrument;
-    let machine = Wanderer::Machine.whose(comparison);
     let names: Vec<Rival> = names.collect();
-    let is_said = names
-        .iter()
-        .any(|rival| matches!(rival, Rival::Disturbance { whose, .. } if *whose == machine));
-    let is_twin = is_of_instrument && comparison.is_of_rotary_axis() && !is_said;
-    let twin = is_twin.then_some(Rival::Disturbance {
-        whose: machine,
+    let is_said = |wanderer: Wanderer| {
+        let own = wanderer.whose(comparison);
+        let mut said = names.iter();
+        said.any(|rival| matches!(rival, Rival::Disturbance { whose, .. } if *whose == own))
+    };
+    let twin = twin(comparison, hypothesis).filter(|twin| !is_said(*twin));
+    let twin = twin.map(|twin| Rival::Disturbance {
+        whose: twin.whose(comparison),
         evidence,
     });
     names.into_iter().chain(twin).collect()
+}
+
+/// What nothing in one file tells from a cause, and has no name in the catalogue. No shift or drift of the machine turns a rotary
+/// axis: an encoder, a clamp or a belt that slips is the machine with time. And an instrument warms up as a machine does.
+fn twin(comparison: &Comparison<'_>, hypothesis: &Hypothesis) -> Option<Wanderer> {
+    let of_instrument = hypothesis.is_of_time() && hypothesis.effect.layer == Layer::Instrument;
+    if of_instrument && comparison.is_of_rotary_axis() {
+        return Some(Wanderer::Machine);
+    }
+    let warms_up = hypothesis.effect.id == "warm_up" && comparison.line().is_some();
+    warms_up.then_some(Wanderer::Instrument)
 }
 
 /// What one explains of what a model with causes leaves. Smooth courses and swings are equally likely beforehand, and so is
