@@ -35,17 +35,11 @@ pub(crate) struct Base<'a> {
     declared: bool,
     /// Readings that were left out as gross errors.
     pub(crate) left_out: Vec<LeftOut>,
-    /// Number of readings that look like gross errors but are too many to be left out.
-    pub(crate) many_gross: usize,
     /// What wanders: in the covariance of the lengths.
     pub(crate) disturbances: Vec<Disturbance>,
     /// First and last time of all lengths, s.
     pub(crate) span_s: [f64; 2],
 }
-
-/// More gross errors than this part of the lengths are no accident but structure, which the search is to
-/// see.
-const MOST_GROSS: f64 = 0.01;
 
 /// Factor on the variance of lengths that are to be predicted: a thousand of them then weigh as much as
 /// a thousandth of one.
@@ -57,7 +51,7 @@ const MAX_ITERATIONS: usize = 8;
 const ROUNDS: usize = 3;
 
 impl<'a> Base<'a> {
-    /// The lengths as their calibration adjusted them, without causes. Single gross errors are left out;
+    /// The lengths as their calibration adjusted them, without causes. Gross errors are left out;
     /// interrupted beams are not split, since these are to be found.
     pub(crate) fn new(
         campaign: &'a Campaign,
@@ -69,9 +63,6 @@ impl<'a> Base<'a> {
             .iter()
             .flat_map(|adjustment| &adjustment.screened.removed);
         let removed: Vec<usize> = removed.map(|removed| removed.reading).collect();
-        let few = removed.len() as f64 <= MOST_GROSS * all.network.readings.len() as f64;
-        let many_gross = if few { 0 } else { removed.len() };
-        let removed = if few { removed } else { Vec::new() };
         // With other groups it is no start.
         let same = |adjustment: &&LengthsAdjustment<'_>| {
             adjustment.method == Method::Joint && !adjustment.by_direction
@@ -79,8 +70,7 @@ impl<'a> Base<'a> {
         let near = adjustment
             .filter(same)
             .map(|adjustment| &*adjustment.screened.solution);
-        let base = Self::leaving_out(campaign, lengths, all, &removed, near)?;
-        Ok(Self { many_gross, ..base })
+        Self::leaving_out(campaign, lengths, all, &removed, near)
     }
 
     /// Adjusts a campaign's lengths without causes and without the readings `removed` (ascending), from a
@@ -114,7 +104,6 @@ impl<'a> Base<'a> {
             readings,
             start,
             declared: campaign.instrument.declares_noise(),
-            many_gross: 0,
             left_out,
             network,
             groups,
@@ -381,7 +370,6 @@ impl<'a> Base<'a> {
             start,
             declared: self.declared,
             left_out: Vec::new(),
-            many_gross: 0,
             disturbances: self.disturbances.clone(),
             span_s: self.span_s,
         })

@@ -4,6 +4,8 @@
 //! Without them its instant is not known, either; so the causes settle again with them. And several in a
 //! row to one target, or from one station, are no accidents at all.
 
+use std::collections::BTreeMap;
+
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::Shape;
 use trueaxis_multilateration::Network;
@@ -80,38 +82,54 @@ impl LeftOut {
     }
 }
 
-/// Numbers of the readings in `all` that the causes of a model do not explain, ascending; all of them if there are no causes.
-pub(crate) fn still_left_out(all: &[LeftOut], base: &Base<'_>, adjusted: &Adjusted) -> Vec<usize> {
+/// Numbers of the readings in `all` that the causes of a model do not explain and that are no row, ascending; all that are no row if
+/// there are no causes.
+pub(crate) fn still_left_out(
+    all: &[LeftOut],
+    base: &Base<'_>,
+    lengths: &Lengths,
+    adjusted: &Adjusted,
+) -> Vec<usize> {
     let is_gross = |l: &&LeftOut| adjusted.suspects.is_empty() || !l.is_explained(base, adjusted);
-    let gross = all.iter().filter(is_gross);
-    gross.map(|left_out| left_out.number).collect()
+    alone(all.iter().filter(is_gross), lengths)
+}
+
+/// Numbers of those that are in no row.
+pub(crate) fn alone<'l>(
+    all: impl IntoIterator<Item = &'l LeftOut>,
+    lengths: &Lengths,
+) -> Vec<usize> {
+    let mut numbers: Vec<usize> = all.into_iter().map(|left_out| left_out.number).collect();
+    let rows = in_a_row(&numbers, lengths);
+    numbers.retain(|number| rows.binary_search(number).is_err());
+    numbers
 }
 
 /// As many wrong lengths in a row are no accidents: at one wrong length in a hundred they happen once in a
 /// million.
 const IN_A_ROW: usize = 3;
 
-/// Whether several of the readings that were left out follow each other, to one target or from one station.
-pub(crate) fn are_in_a_row(base: &Base<'_>, lengths: &Lengths) -> bool {
-    let (stations, targets) = (base.scene.stations.len(), base.scene.targets.len());
-    let mut of_target = vec![0; stations * targets];
-    let mut of_station = vec![0; stations];
+/// Those of some readings (ascending) that follow each other, three to one target or four from one station, ascending.
+fn in_a_row(numbers: &[usize], lengths: &Lengths) -> Vec<usize> {
+    let mut rows: BTreeMap<(usize, Option<usize>), Vec<usize>> = BTreeMap::new();
+    let mut found = Vec::new();
     for stop in &lengths.stops {
         for number in stop.readings.clone() {
-            let found = base.left_out.binary_search_by_key(&number, |l| l.number);
+            let is_one = numbers.binary_search(&number).is_ok();
             let target = lengths.readings[number].target;
-            for row in [
-                &mut of_target[stop.station * targets + target],
-                &mut of_station[stop.station],
-            ] {
-                *row = if found.is_ok() { *row + 1 } else { 0 };
-            }
-            if of_target[stop.station * targets + target] >= IN_A_ROW
-                || of_station[stop.station] > IN_A_ROW
-            {
-                return true;
+            for (of, least) in [(Some(target), IN_A_ROW), (None, IN_A_ROW + 1)] {
+                let row = rows.entry((stop.station, of)).or_default();
+                match is_one {
+                    true => row.push(number),
+                    false => row.clear(),
+                }
+                if row.len() >= least {
+                    found.extend(&*row);
+                }
             }
         }
     }
-    false
+    found.sort_unstable();
+    found.dedup();
+    found
 }

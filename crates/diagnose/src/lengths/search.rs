@@ -13,7 +13,7 @@ use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::fitted::fitted;
 use crate::lengths::held_out::{held_out_stations, held_out_sweeps};
-use crate::lengths::left_out::{are_in_a_row, still_left_out};
+use crate::lengths::left_out::{alone, still_left_out};
 use crate::lengths::named::{Named, left_alone, named};
 use crate::lengths::noise_floor::{mean_noise_um, noise_floor_um};
 use crate::lengths::not_observable::not_observable;
@@ -156,7 +156,7 @@ pub(crate) fn diagnose_lengths(
 }
 
 /// The lengths, and what the search finds in them. Readings that were left out as gross errors come back where they are
-/// too many in a row, or where a cause explains them.
+/// in a row, or where a cause explains them.
 fn looked_at<'a>(
     mut base: Base<'a>,
     lengths: &'a Lengths,
@@ -166,10 +166,13 @@ fn looked_at<'a>(
         let all = network_from_campaign(campaign, lengths, false);
         Base::leaving_out(campaign, lengths, all, gross, Some(&base.start))
     };
-    if are_in_a_row(&base, lengths) {
-        base = leaving_out(&base, &[])?;
+    let all = std::mem::take(&mut base.left_out);
+    let alone = alone(&all, lengths);
+    if alone.len() < all.len() {
+        base = leaving_out(&base, &alone)?;
+    } else {
+        base.left_out = all.clone();
     }
-    let suspicious = base.left_out.clone();
     let mut searched = Searched::of(&base)?;
     // Asked before what wanders is looked for, which takes longest.
     let are_other = |base: &Base<'a>, gross: &[usize]| {
@@ -177,7 +180,7 @@ fn looked_at<'a>(
             .iter()
             .eq(base.left_out.iter().map(|left_out| &left_out.number))
     };
-    let gross = still_left_out(&suspicious, &base, &searched.search.adjusted);
+    let gross = still_left_out(&all, &base, lengths, &searched.search.adjusted);
     if are_other(&base, &gross) {
         base = leaving_out(&base, &gross)?;
         searched = searched.again(&base)?;
@@ -187,7 +190,7 @@ fn looked_at<'a>(
     let after = hypotheses(&looked.named.adjusted);
     let are_same = before.len() == after.len() && before.iter().zip(&after).all(|(a, b)| a.is(b));
     if !are_same {
-        let gross = still_left_out(&suspicious, &base, &looked.named.adjusted);
+        let gross = still_left_out(&all, &base, lengths, &looked.named.adjusted);
         if are_other(&base, &gross) {
             base = leaving_out(&base, &gross)?;
             looked = Searched::of(&base)?.look(&base)?;
@@ -346,13 +349,6 @@ fn notices(base: &Base<'_>) -> Vec<String> {
             "all lengths have the same time_s: nothing that changes with time can be told; give times"
                 .to_owned(),
         );
-    }
-    if base.many_gross > 0 {
-        notices.push(format!(
-            "{} lengths look like gross errors, too many to be left out as accidents: they are in the \
-             misfit; `calibrate` lists them",
-            base.many_gross
-        ));
     }
     notices
 }
