@@ -355,17 +355,34 @@ fn calibrated<'a>(
         Err(error) if wanted.robust => error,
         calibrated => return calibrated.map_err(Error::Calibrate),
     };
+    let concentrated = trueaxis_calibrate::Settings {
+        may_concentrate: true,
+        ..wanted
+    };
     let with_all = trueaxis_calibrate::Settings {
         robust: false,
         ..wanted
     };
-    let Ok(calibrated) = calibrate_with_adjustment(campaign, &with_all) else {
+    let ways = [
+        (
+            concentrated,
+            "calibrated without lengths that contradict the others, although",
+        ),
+        (
+            with_all,
+            "calibrated with all lengths at full weight, since otherwise",
+        ),
+    ];
+    let mut ways = ways.into_iter();
+    let found =
+        ways.find_map(|(way, how)| Some((calibrate_with_adjustment(campaign, &way).ok()?, how)));
+    let Some((calibrated, how)) = found else {
         return Err(Error::Calibrate(refused));
     };
     // What the error advises further is a matter of `calibrate`.
     let text = refused.to_string();
     let why = text.split("; --no-robust").next().unwrap_or_default();
-    let notice = format!("calibrated with all lengths at full weight, since otherwise: {why}");
+    let notice = format!("{how}: {why}");
     if !notices.contains(&notice) {
         notices.push(notice);
     }

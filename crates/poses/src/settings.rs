@@ -15,6 +15,9 @@ pub struct Settings {
     pub robust: bool,
     /// Share of the lengths that may be removed as gross errors.
     pub most_removed: f64,
+    /// Whether the lengths that are removed may be many of one target: a calibration refuses to guess which of them are right, a
+    /// diagnosis asks why.
+    pub may_concentrate: bool,
 }
 
 impl Default for Settings {
@@ -24,6 +27,7 @@ impl Default for Settings {
             by_direction: false,
             robust: true,
             most_removed: MOST_REMOVED,
+            may_concentrate: false,
         }
     }
 }

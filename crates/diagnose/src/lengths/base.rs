@@ -62,7 +62,9 @@ impl<'a> Base<'a> {
         let removed = adjustment
             .iter()
             .flat_map(|adjustment| &adjustment.screened.removed);
-        let removed: Vec<usize> = removed.map(|removed| removed.reading).collect();
+        let (removed, errors_mm): (Vec<usize>, Vec<f64>) = removed
+            .map(|removed| (removed.reading, removed.error_mm))
+            .unzip();
         // With other groups it is no start.
         let same = |adjustment: &&LengthsAdjustment<'_>| {
             adjustment.method == Method::Joint && !adjustment.by_direction
@@ -70,7 +72,11 @@ impl<'a> Base<'a> {
         let near = adjustment
             .filter(same)
             .map(|adjustment| &*adjustment.screened.solution);
-        Self::leaving_out(campaign, lengths, all, &removed, near)
+        let mut base = Self::leaving_out(campaign, lengths, all, &removed, near)?;
+        for (left_out, error_mm) in base.left_out.iter_mut().zip(errors_mm) {
+            left_out.error_mm = error_mm;
+        }
+        Ok(base)
     }
 
     /// Adjusts a campaign's lengths without causes and without the readings `removed` (ascending), from a

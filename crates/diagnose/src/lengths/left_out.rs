@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::Shape;
+use trueaxis_leastsquares::median;
 use trueaxis_multilateration::Network;
 use trueaxis_poses::{Group, LengthCircumstances as Reading, length_circumstances};
 
@@ -22,6 +23,8 @@ pub(crate) struct LeftOut {
     pub(crate) number: usize,
     /// Its line in the file.
     pub(crate) line: usize,
+    /// By how much it is off, mm, as the screening found it; 0 if nothing did.
+    pub(crate) error_mm: f64,
     reading: Reading,
     measured_mm: f64,
 }
@@ -42,6 +45,7 @@ impl LeftOut {
         let left_out = removed.iter().zip(readings).map(|(&number, reading)| Self {
             number,
             line: lengths.readings[number].line,
+            error_mm: 0.0,
             reading,
             measured_mm: network.readings[number].length_mm,
         });
@@ -94,15 +98,43 @@ pub(crate) fn still_left_out(
     alone(all.iter().filter(is_gross), lengths)
 }
 
-/// Numbers of those that are in no row.
+/// Numbers of those that are in no row, and not most of all to one target from one station.
 pub(crate) fn alone<'l>(
     all: impl IntoIterator<Item = &'l LeftOut>,
     lengths: &Lengths,
 ) -> Vec<usize> {
-    let mut numbers: Vec<usize> = all.into_iter().map(|left_out| left_out.number).collect();
-    let rows = in_a_row(&numbers, lengths);
-    numbers.retain(|number| rows.binary_search(number).is_err());
+    let all: Vec<&LeftOut> = all.into_iter().collect();
+    let mut numbers: Vec<usize> = all.iter().map(|left_out| left_out.number).collect();
+    let together = [in_a_row(&numbers, lengths), concentrated(&all)];
+    numbers.retain(|number| {
+        together
+            .iter()
+            .all(|some| some.binary_search(number).is_err())
+    });
     numbers
+}
+
+/// So many of one target from one station, and more than half of all, are no accident, as `calibrate` takes it.
+const MANY: usize = 10;
+
+/// What is that much more than the median of many was wrong besides.
+const FAR: f64 = 5.0;
+
+/// Those that are most of all, to one target from one station, ascending.
+fn concentrated(all: &[&LeftOut]) -> Vec<usize> {
+    let mut parts: BTreeMap<(usize, usize), Vec<&LeftOut>> = BTreeMap::new();
+    for left_out in all {
+        let part = (left_out.reading.station, left_out.reading.target);
+        parts.entry(part).or_default().push(left_out);
+    }
+    let mut many = parts.into_values();
+    let many = many.find(|part| part.len() >= MANY && 2 * part.len() > all.len());
+    let many = many.unwrap_or_default();
+    let size = |left_out: &&LeftOut| left_out.error_mm.abs();
+    let median = median(&mut many.iter().map(size).collect::<Vec<f64>>());
+    let most = median.map_or(0.0, |median| FAR * median);
+    let of_them = many.iter().filter(|left_out| size(left_out) <= most);
+    of_them.map(|left_out| left_out.number).collect()
 }
 
 /// As many wrong lengths in a row are no accidents: at one wrong length in a hundred they happen once in a

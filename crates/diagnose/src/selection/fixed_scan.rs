@@ -36,7 +36,7 @@ impl FixedScan {
         shapes: &[f64],
         columns: impl Fn(f64) -> Vec<Vec<f64>>,
     ) -> Option<Self> {
-        let tried = shapes.iter().map(|&shape| Tried { shape, gap_s: None });
+        let tried = shapes.iter().map(|&shape| Tried::new(shape));
         Self::of(hypothesis, projection, tried, columns)
     }
 
@@ -50,6 +50,7 @@ impl FixedScan {
         let tried = gaps_s.iter().map(|gap| Tried {
             shape: middle(gap),
             gap_s: Some(gap[1] - gap[0]),
+            is_tested: true,
         });
         Self::of(hypothesis, projection, tried, columns)
     }
@@ -79,7 +80,7 @@ impl FixedScan {
     /// With one more shape, if the data see it.
     pub(crate) fn add(&mut self, projection: &Projection, shape: f64, columns: &[Vec<f64>]) {
         let taken = projection.taken_of_all(columns.iter().map(Vec::as_slice));
-        let tried = Tried { shape, gap_s: None };
+        let tried = Tried::new(shape);
         self.push(tried, columns, (&taken, 0));
     }
 

@@ -40,6 +40,18 @@ pub(crate) struct Tried {
     pub(crate) shape: f64,
     /// Of an instant the length of the time that it stands for: the data say no more than that it lies in it, s.
     pub(crate) gap_s: Option<f64>,
+    /// Whether noise is asked for it, too ([`Scan::for_each_of`]), so that it may say how likely noise is.
+    pub(crate) is_tested: bool,
+}
+
+impl Tried {
+    pub(crate) fn new(shape: f64) -> Self {
+        Self {
+            shape,
+            gap_s: None,
+            is_tested: true,
+        }
+    }
 }
 
 /// What is called with a shape, its Gram matrix and `s = Xᵀ e`.
@@ -56,7 +68,7 @@ pub(crate) trait Scan: Send + Sync {
     /// Calls `f` for each shape with its Gram matrix and `s = Xᵀ e`.
     fn for_each(&self, residuals: &[f64], f: &mut OfOne<'_>);
 
-    /// The same of several residuals at once.
+    /// The same of several residuals at once, for those that are tested.
     fn for_each_of(&self, residuals: &[Lanes], f: &mut OfSeveral<'_>);
 
     /// The columns of one shape, whitened, not projected.

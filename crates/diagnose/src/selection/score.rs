@@ -18,7 +18,7 @@ pub(crate) struct Score {
     pub(crate) statistic: f64,
     /// Directions of the parameters that the data see.
     pub(crate) rank: usize,
-    /// Logarithm of the p-value of `T` as if this hypothesis and shape were the only ones.
+    /// Logarithm of the p-value of the best shape that is tested as if this hypothesis and shape were the only ones.
     pub(crate) ln_p: f64,
     /// BIC against the base model, negative if better: `n ln(1 - T/S) + k ln n`, shape counted.
     pub(crate) bic: f64,
@@ -61,7 +61,8 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
     let dof = projection.degrees_of_freedom;
     // Under an unknown variance a drop T counts ν ln(S/(S - T)), which is T/σ² for small T.
     let variance = squares / dof;
-    let (shape, statistic, rank) = best_shape(projection, scan)?;
+    let (shape, statistic, rank) = best_shape(projection, scan, |_| true)?;
+    let (_, tested, tested_rank) = best_shape(projection, scan, |tried| tried.is_tested)?;
     let mut listed: Vec<OfShape> = Vec::new();
     let mut shapes = 0;
     scan.for_each(&projection.residuals, &mut |tried, gram, s| {
@@ -95,7 +96,7 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
         },
         statistic,
         rank,
-        ln_p: ln_f_test(statistic, squares, rank, dof),
+        ln_p: ln_f_test(tested, squares, tested_rank, dof),
         bic: n * left.ln() + parameters as f64 * n.ln(),
         evidence: mean_evidence(&evidences, shapes) - 2.0 * (hypothesis.subjects as f64).ln(),
     })
@@ -105,22 +106,26 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
 /// likelihood: a factor of e⁻²⁰ each.
 const NEGLIGIBLE: f64 = 40.0;
 
-/// The shape whose statistic is the least likely from noise, its statistic and rank.
-pub(crate) fn best_shape(projection: &Projection, scan: &dyn Scan) -> Option<(f64, f64, usize)> {
+/// Of some shapes that whose statistic is the least likely from noise, its statistic and rank.
+pub(crate) fn best_shape(
+    projection: &Projection,
+    scan: &dyn Scan,
+    is_of_them: impl Fn(&Tried) -> bool,
+) -> Option<(f64, f64, usize)> {
     let mut of_ranks: Vec<(f64, f64)> = Vec::new();
-    scan.for_each(
-        &projection.residuals,
-        &mut |Tried { shape, .. }, gram, s| {
-            let rank = gram.rank();
-            if of_ranks.len() <= rank {
-                of_ranks.resize(rank + 1, (0.0, f64::NEG_INFINITY));
-            }
-            let statistic = gram.statistic(s);
-            if statistic > of_ranks[rank].1 {
-                of_ranks[rank] = (shape, statistic);
-            }
-        },
-    );
+    scan.for_each(&projection.residuals, &mut |tried, gram, s| {
+        if !is_of_them(&tried) {
+            return;
+        }
+        let rank = gram.rank();
+        if of_ranks.len() <= rank {
+            of_ranks.resize(rank + 1, (0.0, f64::NEG_INFINITY));
+        }
+        let statistic = gram.statistic(s);
+        if statistic > of_ranks[rank].1 {
+            of_ranks[rank] = (tried.shape, statistic);
+        }
+    });
     let (squares, dof) = (projection.squares(), projection.degrees_of_freedom);
     let ln_p = |rank: usize, statistic: f64| ln_f_test(statistic, squares, rank, dof);
     let seen = of_ranks.into_iter().enumerate().skip(1);
@@ -152,7 +157,7 @@ fn deviation(listed: &[OfShape], best: f64) -> f64 {
     let top = evidences.fold(f64::NEG_INFINITY, f64::max);
     let (mut squares, mut weights) = (0.0, 0.0);
     for one in listed {
-        let Tried { shape, gap_s } = one.tried;
+        let Tried { shape, gap_s, .. } = one.tried;
         let weight = (0.5 * (one.evidence - top)).exp() * gap_s.unwrap_or(1.0);
         let within = gap_s.map_or(0.0, |gap| gap * gap / 12.0);
         squares += weight * ((shape - best).powi(2) + within);

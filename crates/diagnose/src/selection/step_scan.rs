@@ -118,13 +118,14 @@ impl StepScan {
         for (number, own) in concerned.iter().enumerate().skip(1).rev() {
             let after = concerned.len() - number;
             let rows = &own.visit.rows;
-            let mut push = |sums: &Sums, [from_s, to_s]: [f64; 2], first_row, cut| {
+            let mut push = |sums: &Sums, [from_s, to_s]: [f64; 2], first_row, cut: Option<_>| {
                 let gram = sums.gram(projection);
                 if gram.rank() > 0 {
                     instants.push(Instant {
                         tried: Tried {
                             shape: middle(&[from_s, to_s]),
                             gap_s: Some(to_s - from_s),
+                            is_tested: cut.is_none(),
                         },
                         first_row,
                         cut,
@@ -264,7 +265,8 @@ impl Scan for StepScan {
         }
     }
 
-    /// Those between visits: noise exceeds a threshold within one where it does at an end of it.
+    /// Those between visits. One within a visit is three readings or two of it away from a tested one, which shows it nearly as well;
+    /// to test them all would take as much longer as there are more.
     fn for_each_of(&self, residuals: &[Lanes], f: &mut OfSeveral<'_>) {
         let n = self.parameters;
         let mut s = vec![Lanes::ZERO; n];

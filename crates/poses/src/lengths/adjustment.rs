@@ -88,14 +88,14 @@ impl<'a> LengthsAdjustment<'a> {
             scale: None,
             known_misfits: Vec::new(),
         };
-        let weak = adjustment.check()?;
+        let weak = adjustment.check(settings.may_concentrate)?;
         adjustment.take_known(bodies)?;
         Ok((adjustment, weak))
     }
 
     /// Refuses an adjustment that cannot be trusted. Contradictions come first: they make the stations look
     /// weak.
-    fn check(&self) -> Result<Vec<String>, Error> {
+    fn check(&self, may_concentrate: bool) -> Result<Vec<String>, Error> {
         let (campaign, lengths, solution) = (self.campaign, self.lengths, &self.screened.solution);
         let residuals_mm = self.screened.residuals_mm();
         let sigma0 = self.given_sigma0();
@@ -109,7 +109,9 @@ impl<'a> LengthsAdjustment<'a> {
                 termination: solution.termination.to_string(),
             });
         }
-        self.check_targets()?;
+        if !may_concentrate {
+            self.check_targets()?;
+        }
         Ok(weak)
     }
 
