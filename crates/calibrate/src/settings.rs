@@ -20,9 +20,9 @@ pub struct Settings {
     pub robust: bool,
     /// Share of the lengths that may be removed as gross errors.
     pub most_removed: f64,
-    /// Whether the lengths that are removed may be many of one target: a calibration refuses to guess which of them are right, a
-    /// diagnosis asks why.
-    pub may_concentrate: bool,
+    /// Whether a diagnosis asks why lengths contradict each other, where a calibration refuses: those that are removed may be many
+    /// of one target, and what is left may be so much that stations are poorly known.
+    pub asks_why: bool,
 }
 
 impl Default for Settings {
@@ -34,7 +34,7 @@ impl Default for Settings {
             covariance: false,
             robust: true,
             most_removed: MOST_REMOVED,
-            may_concentrate: false,
+            asks_why: false,
         }
     }
 }
@@ -47,7 +47,7 @@ impl Settings {
             by_direction: self.by_direction,
             robust: self.robust,
             most_removed: self.most_removed,
-            may_concentrate: self.may_concentrate,
+            asks_why: self.asks_why,
         }
     }
 }

@@ -8,6 +8,7 @@ mod story;
 
 use anyhow::Context;
 use trueaxis_campaign::{Campaign, checksums, read};
+use trueaxis_compensate::{uncompensated, verify};
 use trueaxis_diagnose::{Diagnosis, Settings, diagnose, diagnose_against};
 use trueaxis_predict::CalibratedMachine;
 use trueaxis_simulate::replay;
@@ -16,6 +17,7 @@ use crate::args::DiagnoseArgs;
 use crate::exit::Exit;
 use crate::talk::{notice_all, say_all};
 use crate::traceability::{of_calibration, traced};
+use crate::verify::mistaken;
 
 /// What was found in the lengths, for `calibrate --with-effects`.
 const EFFECTS: &str = "effects.json";
@@ -27,17 +29,30 @@ pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
     let campaign = read(&args.campaign)?;
     let in_file = || args.campaign.display().to_string();
     let mut inputs = checksums(&args.campaign)?;
+    let mut mistakes = Vec::new();
     let diagnosis = match &args.calibration {
         None => diagnose(&campaign, &Settings::default()),
         Some(path) => {
             let calibration = CalibratedMachine::read(path)?;
             inputs.extend(of_calibration(path, &calibration)?);
-            diagnose_against(&campaign, &calibration, &Settings::default())
+            // What the campaign has none of is said by the diagnosis.
+            if let Ok(verified) = verify(&calibration, &campaign, args.compensated) {
+                mistakes = mistaken(&verified, args.compensated);
+            }
+            let settings = Settings::default();
+            match args.compensated {
+                true => {
+                    let without = uncompensated(&calibration, &campaign).with_context(in_file)?;
+                    diagnose_against(&without, &calibration, &settings)
+                }
+                false => diagnose_against(&campaign, &calibration, &settings),
+            }
         }
     };
     let diagnosis = diagnosis.with_context(in_file)?;
     let text = traced(serde_json::from_str(&diagnosis.to_json())?, &inputs, None)?;
     let mut notices: Vec<String> = campaign.notices.clone();
+    notices.extend(mistakes);
     notices.extend(diagnosis.notices.iter().cloned());
     let mut files = vec![("diagnosis.json", text.clone())];
     files.extend(extended_model(&campaign, &diagnosis, &mut notices)?);

@@ -226,7 +226,7 @@ fn reference_points(calibration: &Calibration) -> String {
     });
     let of_axes: Vec<String> = of_axes.collect();
     format!(
-        "  translations, and the lines of the squareness, of the point at home: {}",
+        "  translations and squareness are those of the point at home at {}",
         of_axes.join(", ")
     )
 }
@@ -325,7 +325,7 @@ fn misfits(calibration: &Calibration) -> Vec<String> {
         lines.push("points that do not move as a rigid triangle:".to_owned());
         for misfit in calibration.misfits.iter().take(MOST_LISTED) {
             lines.push(format!(
-                "  {}: rms {:.2} µm, chi-squared {:.1} with {} of freedom (p = {})",
+                "  {}: rms {:.2} µm, chi-squared {:.1} with {} of freedom ({})",
                 misfit.step,
                 misfit.rms_um,
                 misfit.chi_squared,
@@ -377,13 +377,13 @@ fn with_paper_signs(campaign: &Campaign, calibration: &Calibration) -> Vec<Strin
     lines
 }
 
-fn probability(p: f64) -> String {
+pub(crate) fn probability(p: f64) -> String {
     if p < f64::MIN_POSITIVE {
-        "below 1e-300".to_owned()
+        "p < 1e-300".to_owned()
     } else if p < 1e-3 {
-        format!("{p:.0e}")
+        format!("p = {p:.0e}")
     } else {
-        format!("{p:.3}")
+        format!("p = {p:.3}")
     }
 }
 

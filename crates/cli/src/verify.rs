@@ -13,6 +13,7 @@ use trueaxis_predict::CalibratedMachine;
 use crate::args::VerifyArgs;
 use crate::exit::Exit;
 use crate::predict::source;
+use crate::summary::probability;
 use crate::talk::{notice_all, say_all};
 use crate::traceability::{of_calibration, traced};
 
@@ -43,9 +44,19 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     say_all(verified.iter().flat_map(of_entry));
     say_all(parallel.iter().flat_map(|found| angles(&machine, found)));
     notice_all(&campaign.notices);
+    notice_all(&mistaken(&verified, args.compensated));
     results.end(args.result.json.then_some(&text))?;
     let is_rejected = verified.iter().any(Verified::is_misfit);
     Ok(Exit::of_misfit(args.fail_on_misfit && is_rejected))
+}
+
+/// What may be mistaken about readings that contradict their prediction, as notices.
+pub(crate) fn mistaken(verified: &[Verified], is_compensated: bool) -> Vec<String> {
+    let found = verified.iter().filter_map(|entry| {
+        let mistaken = entry.mistaken(is_compensated)?;
+        Some(format!("{}: {}", entry.name, mistaken.in_words()))
+    });
+    found.collect()
 }
 
 fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
@@ -55,7 +66,8 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
         None => "point checks",
     };
     let places = match entry.kind {
-        Some(_) => format!("{} and sides", counted(entry.points.len(), "position")),
+        Some(_) if entry.points.len() == 1 => "1 position".to_owned(),
+        Some(_) => format!("{} positions and sides", entry.points.len()),
         None => counted(entry.points.len(), "coordinate"),
     };
     let readings = entry.points.iter().map(|point| point.readings).sum();
@@ -90,10 +102,16 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
         0 if entry.points.iter().any(|p| p.u_prediction_um.is_nan()) => {
             "without uncertainties there is no E_n".to_owned()
         }
+        0 if entry.points.iter().any(|p| p.u_reading_um.is_some()) => {
+            "nothing is left to compare beside the zero or the set-up".to_owned()
+        }
         0 => "no u_um is declared, so there is no E_n".to_owned(),
         _ => format!(
-            "|E_n| above 1 at {above} of {all} (expected {:.1}): {}",
+            "|E_n| above 1 at {above} of {all} (expected {:.1}{}): {}",
             EXPECTED_ABOVE_ONE * all as f64,
+            entry
+                .p_value
+                .map_or_else(String::new, |p| format!("; {}", probability(p))),
             if entry.is_misfit() {
                 "more than chance"
             } else {

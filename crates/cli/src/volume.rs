@@ -86,7 +86,7 @@ fn lines(machine: &CalibratedMachine, volume: &Volume) -> Vec<String> {
     }
     if let Some(drawn) = figures.zeroed_at_home.max.drawn {
         lines.push(format!(
-            "  noise of the calibration makes the largest error larger by {:.2} µm in the mean; the intervals are freed of that",
+            "  bias of the largest error by the noise of the calibration: {:.2} µm; it is taken off the intervals",
             drawn.bias / MICROMETRE
         ));
     }

@@ -32,5 +32,8 @@ pub use import::{DeclaredUncertainty, Import, Imported, import};
 pub use remains::{Left, Remains, remains};
 pub use verify::iso_230_2::{Positioning, Side};
 pub use verify::iso_230_4::Circular;
+pub use verify::mistaken::Mistaken;
 pub use verify::parallel_lines::{AngleCurve, ParallelLines, parallel_lines};
-pub use verify::{Checked, EXPECTED_ABOVE_ONE, Point, Verified, verification_json, verify};
+pub use verify::{
+    Checked, EXPECTED_ABOVE_ONE, Point, Verified, uncompensated, verification_json, verify,
+};

@@ -15,6 +15,7 @@ pub(crate) mod iso_230_2;
 pub(crate) mod iso_230_4;
 mod json;
 mod misfit;
+pub(crate) mod mistaken;
 pub(crate) mod parallel_lines;
 mod point_checks;
 
@@ -136,6 +137,41 @@ pub fn verify(
     readings.chain(checks).collect()
 }
 
+/// The campaign with the verification readings as they would be without compensation, to first order: those that were taken with it
+/// plus what it took away. Point checks stay as they are.
+///
+/// # Errors
+/// [`Error::OtherMachine`], [`Error::NotContracting`] as in [`verify()`].
+pub fn uncompensated(machine: &CalibratedMachine, campaign: &Campaign) -> Result<Campaign, Error> {
+    check_same_machine(machine.machine(), &campaign.machine)?;
+    let mut without = campaign.clone();
+    for verification in &mut without.verification {
+        for reading in &mut verification.readings {
+            let (at, from) = (&reading.positions, reading.direction);
+            let [predicted_um, compensated_um] =
+                predicted_um(machine, &verification.kind, at, from)?;
+            reading.value_um += predicted_um - compensated_um;
+        }
+    }
+    Ok(without)
+}
+
+/// What is predicted to be read at commanded positions, without compensation and with every command corrected, µm.
+fn predicted_um(
+    machine: &CalibratedMachine,
+    kind: &VerificationKind,
+    at: &[f64],
+    from: Direction,
+) -> Result<[f64; 2], Error> {
+    let nominal = machine.machine();
+    let home_mm = measured_home_mm(kind);
+    let corrected = correct(nominal, machine, at, home_mm, Moved::All)?.positions;
+    Ok([
+        machine.predicted_reading_um(kind, at, from),
+        predicted_reading_um(nominal, kind, machine, at, &corrected),
+    ])
+}
+
 fn verified(
     machine: &CalibratedMachine,
     verification: &Verification,
@@ -145,14 +181,13 @@ fn verified(
     let mut points = grouped(verification);
     for point in &mut points {
         let at = &point.positions;
-        point.predicted_um = machine.predicted_reading_um(kind, at, came_from(point));
+        [point.predicted_um, point.compensated_um] =
+            predicted_um(machine, kind, at, came_from(point))?;
         let MeasuredPoint { point_mm, along } = MeasuredPoint::new(nominal, kind, at);
         let home_mm = measured_home_mm(kind);
         let actual = nominal.position(machine, carrier(nominal, kind), at, home_mm);
         // Eq. 24.
         point.first_order_um = along.dot(&(actual - point_mm)) / MICROMETRE;
-        let corrected = correct(nominal, machine, at, home_mm, Moved::All)?.positions;
-        point.compensated_um = predicted_reading_um(nominal, kind, machine, at, &corrected);
         point.u_reading_um = declared_u_um(nominal, verification, at);
     }
     let readings: Vec<_> = points

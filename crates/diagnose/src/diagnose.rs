@@ -356,7 +356,7 @@ fn calibrated<'a>(
         calibrated => return calibrated.map_err(Error::Calibrate),
     };
     let concentrated = trueaxis_calibrate::Settings {
-        may_concentrate: true,
+        asks_why: true,
         ..wanted
     };
     let with_all = trueaxis_calibrate::Settings {
@@ -381,7 +381,10 @@ fn calibrated<'a>(
     };
     // What the error advises further is a matter of `calibrate`.
     let text = refused.to_string();
-    let why = text.split("; --no-robust").next().unwrap_or_default();
+    let why = text
+        .split("; `trueaxis diagnose`")
+        .next()
+        .unwrap_or_default();
     let notice = format!("{how}: {why}");
     if !notices.contains(&notice) {
         notices.push(notice);

@@ -273,7 +273,7 @@ fn judged<'a>(
             false => "repeat the cycle",
         };
         outcome.notices.push(format!(
-            "{name}: {} arrivals leave {:.0} degrees of freedom beside the base model; nothing can be said (at least {LEAST_DEGREES_OF_FREEDOM:.0} are needed: {what_to_do})",
+            "{name}: {} readings, those of a stop counted once, leave {:.0} degrees of freedom beside the mean curve or the set-up; nothing can be said (at least {LEAST_DEGREES_OF_FREEDOM:.0} are needed: {what_to_do})",
             plain.readings(),
             plain.listed.base.degrees_of_freedom,
         ));
@@ -299,6 +299,12 @@ fn judged<'a>(
         outcome.notices.push(format!(
             "{name}: the sides of approach differ by {size:.0} {unit}, and no drive in use loses more than {most:.0} {unit}: see whether \
              deviation_um is in µm, whether direction is the side of approach, and whether the axis stood at its positions"
+        ));
+    }
+    if calibration.is_none() && comparison.line().is_none() && !found.model.wandering.is_empty() {
+        outcome.notices.push(format!(
+            "{name}: without a calibration what wanders may be what the error curves of the axes do, which is no fault of the model; \
+             compare with one (--calibration)"
         ));
     }
     // At one position after the other no cycle is a time.

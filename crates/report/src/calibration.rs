@@ -16,7 +16,15 @@ pub(crate) struct Calibration {
     pub(crate) axes: Vec<Axis>,
     pub(crate) location_errors: Map<String, Value>,
     pub(crate) relative_locations: Vec<Relative>,
-    pub(crate) misfits: Vec<Value>,
+    pub(crate) misfits: Vec<Contradiction>,
+}
+
+/// What contradicts the rest.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(crate) struct Contradiction {
+    /// In words: a step, runs of an axis, or something known.
+    pub(crate) step: String,
 }
 
 #[derive(Debug, Default, Deserialize)]

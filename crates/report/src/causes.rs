@@ -238,13 +238,8 @@ fn tick(name: &str, most: usize) -> String {
 }
 
 fn cause(index: usize, cause: &Cause) -> CauseView {
-    let rivals = cause.cannot_tell_apart_from.iter().map(|rival| {
-        let name = rival.name(cause);
-        match rival.delta_bic.filter(|_| !rival.is_disturbance()) {
-            Some(bic) => format!("{name} (BIC {})", signed(bic, 0)),
-            None => name,
-        }
-    });
+    let rivals = cause.cannot_tell_apart_from.iter();
+    let rivals = rivals.map(|rival| rival.name(cause));
     CauseView {
         index,
         effect: cause.effect.clone(),

@@ -94,7 +94,6 @@ pub(crate) struct Rival {
     pub(crate) effect: String,
     #[serde(default)]
     pub(crate) subject: Map<String, Value>,
-    pub(crate) delta_bic: Option<f64>,
     /// Of a disturbance.
     #[serde(default)]
     layer: String,
@@ -185,7 +184,11 @@ impl Disturbance {
                 format!("disturbance of the lost motion of axis {axis}")
             }
             _ if self.is_of_frame() => "disturbance of the frame of the instrument".to_owned(),
-            _ => words::effect("disturbance", &self.subject),
+            _ if self.subject.values().any(Value::is_string) => {
+                words::effect("disturbance", &self.subject)
+            }
+            ("machine", _) => "disturbance of the machine".to_owned(),
+            _ => "disturbance of all tripods".to_owned(),
         };
         let at = match is_of_readings {
             true => format!(" in {}", self.data.join(", ")),

@@ -88,6 +88,12 @@ pub(crate) fn probability(p: f64) -> String {
     }
 }
 
+/// The same as an equation: `p = 0.42`, `p below 10⁻³⁰⁰`.
+pub(crate) fn p_value(p: f64) -> String {
+    let is = if p < f64::MIN_POSITIVE { "" } else { "= " };
+    format!("p {is}{}", probability(p))
+}
+
 const SUPERSCRIPTS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
 
 #[cfg(test)]
@@ -111,6 +117,8 @@ mod tests {
         assert_eq!(probability(0.4168), "0.417");
         assert_eq!(probability(3.4e-12), "3·10⁻¹²");
         assert_eq!(probability(0.0), "below 10⁻³⁰⁰");
+        assert_eq!(p_value(0.4168), "p = 0.417");
+        assert_eq!(p_value(0.0), "p below 10⁻³⁰⁰");
         assert_eq!(
             [signed(0.0, 1), signed(-0.01, 1), signed(0.26, 1)],
             ["0.0", "0.0", "+0.3"]

@@ -82,6 +82,7 @@ fn render(template: &str, page: &Page<'_>) -> Result<String, minijinja::Error> {
         crate::words::sentence(&text.unwrap_or_default())
     });
     environment.add_filter("probability", crate::numbers::probability);
+    environment.add_filter("p_value", crate::numbers::p_value);
     environment.add_template("report.html", template)?;
     environment.get_template("report.html")?.render(Serde(page))
 }

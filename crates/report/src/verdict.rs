@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use crate::calibration::Calibration;
-use crate::diagnosis::{Diagnosis, Disturbance};
-use crate::numbers::{fixed, probability};
+use crate::diagnosis::{Diagnosis, Disturbance, Shares};
+use crate::numbers::{fixed, p_value};
 use crate::verification::Verification;
 use crate::words;
 
@@ -26,12 +26,19 @@ impl Verdict {
         diagnosis: Option<&Diagnosis>,
         verification: Option<&Verification>,
     ) -> Self {
-        let contradictions = calibration.map_or_else(Vec::new, contradictions);
+        let louder = calibration.and_then(louder);
+        let mut contradictions = calibration.map_or_else(Vec::new, contradictions);
+        let is_only_louder = louder.is_some() && contradictions.is_empty();
+        contradictions.splice(0..0, louder);
         let diagnosed = diagnosis.map(|diagnosis| (diagnosis.verdict.as_str(), said(diagnosis)));
         let (mut level, mut sentence) = match (&diagnosed, contradictions.is_empty()) {
             (Some(("clean", _)), true) => (
                 "good",
                 "The calibration is sound: nothing in the data contradicts the rigid machine model.",
+            ),
+            (Some(("clean", _)), false) if is_only_louder => (
+                "care",
+                "The noise is more than declared; beside it nothing in the data contradicts the rigid machine model.",
             ),
             (Some(("named" | "ambiguous" | "unknown", _)), _) | (_, false) => (
                 "bad",
@@ -93,28 +100,34 @@ fn is_unchecked(calibration: &Calibration) -> bool {
     calibration.adjustment.degrees_of_freedom == 0
 }
 
-fn contradictions(calibration: &Calibration) -> Vec<String> {
+/// That the residuals reject the declared noise.
+fn louder(calibration: &Calibration) -> Option<String> {
     let adjustment = &calibration.adjustment;
-    let mut reasons = Vec::new();
-    if let (Some(p), Some(sigma0)) = (adjustment.p_value, adjustment.sigma0)
-        && p < MISFIT_LEVEL
-        && !is_unchecked(calibration)
-    {
-        reasons.push(format!(
-            "The residuals are {} times what the declared noise explains (p {}{}).",
+    let (p, sigma0) = (adjustment.p_value?, adjustment.sigma0?);
+    let is_louder = p < MISFIT_LEVEL && !is_unchecked(calibration);
+    is_louder.then(|| {
+        format!(
+            "The residuals are {} times what the declared noise explains ({}).",
             fixed(sigma0, 2),
-            if p < f64::MIN_POSITIVE { "" } else { "= " },
-            probability(p)
-        ));
+            p_value(p)
+        )
+    })
+}
+
+/// Steps, runs and known lengths that contradict the rest.
+fn contradictions(calibration: &Calibration) -> Vec<String> {
+    let names = calibration
+        .misfits
+        .iter()
+        .map(|misfit| misfit.step.as_str());
+    match names.collect::<Vec<&str>>().as_slice() {
+        [] => Vec::new(),
+        [one] => vec![format!("It contradicts the rest: {one}.")],
+        [first, others @ ..] => vec![format!(
+            "They contradict the rest: {first}, and {} more steps, runs or known lengths.",
+            others.len()
+        )],
     }
-    match calibration.misfits.len() {
-        0 => {}
-        1 => reasons.push("One step, run or known length contradicts the rest.".to_owned()),
-        count => reasons.push(format!(
-            "{count} steps, runs or known lengths contradict the rest."
-        )),
-    }
-    reasons
 }
 
 /// The diagnosis in a sentence.
@@ -131,6 +144,15 @@ fn said(diagnosis: &Diagnosis) -> String {
         .collect();
     match diagnosis.verdict.as_str() {
         "clean" => "Diagnosis: clean, nothing but noise beside the rigid model.".to_owned(),
+        "named" | "ambiguous" if is_mostly_wandering(diagnosis) => {
+            let wanders = diagnosis.disturbances.iter().map(Disturbance::name);
+            let wanders: Vec<String> = wanders.collect();
+            format!(
+                "Diagnosis: most of the misfit is {}, which no known effect explains; beside it {}.",
+                wanders.join("; "),
+                names.join("; ")
+            )
+        }
         "named" | "ambiguous" => format!("Diagnosis: {}.", names.join("; ")),
         "unknown" if !diagnosis.disturbances.is_empty() => {
             let names = diagnosis.disturbances.iter().map(Disturbance::name);
@@ -143,7 +165,18 @@ fn said(diagnosis: &Diagnosis) -> String {
         "unknown" => {
             "Diagnosis: something is in the data that no known effect explains.".to_owned()
         }
-        "not_judged" => "Diagnosis: not judged, the data have no power to.".to_owned(),
+        "not_judged" => {
+            "Diagnosis: not judged, since these data cannot contradict the model.".to_owned()
+        }
         other => format!("Diagnosis: {other}."),
     }
+}
+
+/// Whether what wanders explains more of the squares than all causes do.
+fn is_mostly_wandering(diagnosis: &Diagnosis) -> bool {
+    let sum = |of: fn(&Shares) -> &Vec<f64>| -> f64 {
+        let shares = diagnosis.levels.iter().map(|level| &level.shares);
+        shares.flat_map(of).sum()
+    };
+    sum(|shares| &shares.disturbances) > sum(|shares| &shares.causes)
 }

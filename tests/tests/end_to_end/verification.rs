@@ -5,7 +5,7 @@ use std::path::Path;
 use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_campaign::{Campaign, read};
 use trueaxis_compensate::{Verified, verify};
-use trueaxis_diagnose::diagnose;
+use trueaxis_diagnose::{diagnose, diagnose_against};
 use trueaxis_predict::CalibratedMachine;
 use trueaxis_simulate::{Scenario, simulate};
 use trueaxis_tests::verification::{bars_on_the_stage, five_axis_readings, verification_campaign};
@@ -109,6 +109,16 @@ fn five_axes_are_where_the_calibration_says() {
             verified.p_value
         );
         assert!(!verified.is_misfit(), "{}", verified.name);
+    }
+    // What the interpolation of its curves leaves is no fault of the machine; a wave of 90 mm that steps of 40 mm hardly show is.
+    let settings = trueaxis_diagnose::Settings::default();
+    let against = calibration.calibrated_machine();
+    let diagnosis = diagnose_against(&readings, &against, &settings).unwrap();
+    for cause in &diagnosis.causes {
+        assert_eq!(cause.effect.effect.id, "cyclic_error");
+        let period = cause.parameters.last().unwrap();
+        let is_true = (period.value - 90.0).abs() < 4.0 * period.u && period.u < 5.0;
+        assert!(is_true, "{period:?}");
     }
     let truth = five_axis_scenario().true_machine().unwrap();
     let made = five_axis_readings(&shipped("five-axis"), &truth, &readings.name).unwrap();

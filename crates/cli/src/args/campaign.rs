@@ -71,6 +71,10 @@ pub(crate) struct DiagnoseArgs {
     #[arg(long, value_name = "CALIBRATION.json")]
     pub(crate) calibration: Option<PathBuf>,
 
+    /// The readings were taken with the compensation of that calibration switched on.
+    #[arg(long, requires = "calibration")]
+    pub(crate) compensated: bool,
+
     /// Write no report.html.
     #[arg(long)]
     pub(crate) no_report: bool,

@@ -147,7 +147,7 @@ fn changes(cause: &Cause, with_changes: bool, several: bool) -> String {
         })
         .collect();
     format!(
-        "without {} the results change by at most {}; left in: {consequence}",
+        "taking {} out changes the results by at most {}; left in: {consequence}",
         if several { "all causes" } else { "it" },
         listed.join(", ")
     )

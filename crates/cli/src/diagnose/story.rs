@@ -252,6 +252,11 @@ fn not_observable(diagnosis: &Diagnosis) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for unseen in &diagnosis.not_observable {
         let name = unseen.effect.replace('_', " ");
+        let mut causes = diagnosis.causes.iter();
+        let name = match causes.any(|cause| cause.effect.effect.id == unseen.effect) {
+            true => format!("{name} beside what is named"),
+            false => name,
+        };
         if !names.contains(&name) {
             names.push(name);
         }

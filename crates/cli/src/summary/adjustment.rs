@@ -26,7 +26,7 @@ pub(crate) fn adjustment(calibration: &Calibration) -> Vec<String> {
         format!(
             "{}rms residual {:.2} µm; {}",
             match a.noise_declared {
-                true => format!("sigma0 {:.3} (p = {}), ", a.sigma0, probability(a.p_value)),
+                true => format!("sigma0 {:.3} ({}), ", a.sigma0, probability(a.p_value)),
                 false => String::new(),
             },
             a.rms_residual_mm / MICROMETRE,

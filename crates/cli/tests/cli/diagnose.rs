@@ -252,6 +252,24 @@ fn readings_against_a_given_calibration() {
     let document: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(document["verdict"], "clean", "{text}");
     assert_eq!(document["levels"].as_array().unwrap().len(), 4);
+    // Readings with the compensation on contradict what is predicted without.
+    let compensated = shipped("fxyz-compensated").join("campaign.json");
+    let compensated = compensated.to_str().unwrap();
+    let outcome = against(compensated, "calibrated/calibration.json");
+    let asks = "was the compensation on (--compensated)?";
+    assert!(outcome.stderr.contains(asks), "{}", outcome.stderr);
+    let with = [
+        "diagnose",
+        compensated,
+        "--calibration",
+        "calibrated/calibration.json",
+        "--compensated",
+        "--out",
+        "with",
+    ];
+    run(current, &with).assert_good();
+    let document = json_of(&current.join("with/diagnosis.json"));
+    assert_eq!(document["verdict"], "clean", "{document}");
     // Another machine, no readings, no calibration.
     let table = shipped("rotary-stage").join("campaign.json");
     against(table.to_str().unwrap(), "calibrated/calibration.json").assert_failed(

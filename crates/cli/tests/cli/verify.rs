@@ -88,7 +88,7 @@ fn readings_that_agree() {
     let path = "lines-of-fxyz/verification.json";
     for says in [
         "LI along X: positioning, 46 readings at 46 positions and sides",
-        "above 1 at 0 of 46 (expected 2.1): agrees",
+        "above 1 at 0 of 46 (expected 2.1; p = 1.000): agrees",
         "B 0.00, mean B 0.00",
         "only 1 run a side, the standard wants five",
         &format!("written: {path}"),
@@ -119,6 +119,22 @@ fn readings_that_agree() {
 }
 
 /// What is unusual in the campaign is said here, too.
+/// A sign or a unit that would bring the readings to the prediction is asked about.
+#[test]
+fn readings_of_another_sign_or_unit() {
+    for (factor, asks) in [
+        (-1.0, "commanded less measured?"),
+        (1e3, "are they in nm?"),
+        (1e-3, "are they in mm?"),
+    ] {
+        let outcome = verify(prepared(factor).path(), &[]);
+        outcome.assert_good();
+        assert!(outcome.stderr.contains(asks), "{asks}: {}", outcome.stderr);
+    }
+    let outcome = verify(prepared(2.0).path(), &[]);
+    assert!(!outcome.stderr.contains("agree:"), "{}", outcome.stderr);
+}
+
 #[test]
 fn readings_that_may_be_cut_off() {
     let folder = prepared(1.0);

@@ -51,6 +51,11 @@ impl HeldOut {
         self.interval[0] >= 1.0
     }
 
+    /// Whether they certainly predict better.
+    pub(crate) fn is_gain(&self) -> bool {
+        self.interval[1] < 1.0
+    }
+
     pub(crate) fn ratio(self) -> HeldOutRatio {
         HeldOutRatio {
             ratio: self.after / self.before,

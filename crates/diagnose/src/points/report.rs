@@ -47,13 +47,13 @@ pub(crate) fn diagnose_points(
         return said(&screened, points, Believed::nothing(base, plain));
     }
     let all = of_catalogue(Level::Points, scene, |s| is_tested(campaign, s));
-    let mut believed = Believed::search(&screened.base, plain, &all)?;
+    let mut believed = Believed::search(&screened, plain, &all)?;
     if !believed.found().is_empty() {
         // What stood out of everything may have been a part of a cause, or have hidden beneath it.
         let again = Screened::beside_any(campaign, points, scene, suspects(believed.found()));
         if again.numbers() != screened.numbers() {
             let plain = Model::estimated(&again.base, &[]);
-            believed = Believed::search(&again.base, plain, &all)?;
+            believed = Believed::search(&again, plain, &all)?;
         }
         screened = again;
     }
@@ -104,7 +104,8 @@ impl<'a> Believed<'a> {
     }
 
     /// The causes of what `plain`, the model without anything, leaves, and what wanders.
-    fn search(base: &Base<'a>, plain: Model, all: &[Hypothesis]) -> Result<Self, Error> {
+    fn search(screened: &Screened<'a>, plain: Model, all: &[Hypothesis]) -> Result<Self, Error> {
+        let base = &screened.base;
         let first = scans(base, &plain, &plain.projection, all).scans;
         let null = Null::simulated(&plain.projection, &first);
         let before = omnibus(&plain, &families(base, &plain));
@@ -113,7 +114,7 @@ impl<'a> Believed<'a> {
         let mut model = compete(base, &before, search, &candidates)?;
         loop {
             let count = model.search.found.len();
-            let believed = Self::of(model)?;
+            let believed = Self::of(model, screened.are_many)?;
             if believed.found().len() == count {
                 return Ok(believed);
             }
@@ -122,8 +123,9 @@ impl<'a> Believed<'a> {
         }
     }
 
-    /// The causes of a model but those that predict unused points worse than nothing, or merely imitate what is left.
-    fn of(mut competed: Competed<Base<'a>>) -> Result<Self, Error> {
+    /// The causes of a model but those that predict unused points worse than nothing, or merely imitate what is left. Among many
+    /// gross errors, which imitate anything, they must predict better.
+    fn of(mut competed: Competed<Base<'a>>, are_many: bool) -> Result<Self, Error> {
         loop {
             let Competed {
                 base,
@@ -152,7 +154,11 @@ impl<'a> Believed<'a> {
                     true => None,
                     false => held_out(base, model, &suspects(found)),
                 };
-                if found.is_empty() || heldout.is_none_or(|h| !h.is_loss()) {
+                let holds = match are_many {
+                    true => heldout.is_some_and(|h| h.is_gain()),
+                    false => heldout.is_none_or(|h| !h.is_loss()),
+                };
+                if found.is_empty() || holds {
                     return Ok(Self {
                         competed,
                         after,

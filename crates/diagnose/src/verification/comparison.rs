@@ -257,6 +257,17 @@ impl<'a> Comparison<'a> {
         waves
     }
 
+    /// Whether a line was read at one position after the other, at each of them once for all: then what goes with its position goes
+    /// with time.
+    pub(crate) fn is_position_after_position(&self) -> bool {
+        let Some(axis) = self.line() else {
+            return false;
+        };
+        let at = |arrival: &Arrival| arrival.positions[axis];
+        let stays = self.arrivals.chunk_by(|a, b| is_same(at(a), at(b)));
+        stays.count() == self.positions(axis).len()
+    }
+
     /// What is counted in a unit: without a clock times count readings.
     pub(crate) fn unit_of(&self, unit: &'static str) -> &'static str {
         match unit {

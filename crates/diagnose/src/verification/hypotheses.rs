@@ -22,6 +22,9 @@ const LEAST_READINGS: f64 = 3.0;
 /// Arrivals on either side of an instant, at least (a quarter of all, if that is less).
 const LEAST_ARRIVALS: usize = 3;
 
+/// Of all arrivals of a bar so many parts are at least one on either side.
+const PARTS_OF_A_CIRCLE: usize = 20;
+
 /// Instants that are tried at most.
 const INSTANTS: usize = 100;
 
@@ -212,7 +215,12 @@ fn shapes(comparison: &Comparison<'_>, shape: Shape, subject: &Subject) -> Vec<f
 fn gaps_s(comparison: &Comparison<'_>) -> Vec<[f64; 2]> {
     let mut arrivals: Vec<&Arrival> = comparison.arrivals.iter().collect();
     arrivals.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-    let margin = LEAST_ARRIVALS.min(arrivals.len() / 4).max(1);
+    // What a bar moves by is told by a part of its circle.
+    let least = match comparison.line() {
+        Some(_) => LEAST_ARRIVALS,
+        None => LEAST_ARRIVALS.max(arrivals.len() / PARTS_OF_A_CIRCLE),
+    };
+    let margin = least.min(arrivals.len() / 4).max(1);
     let within = arrivals
         .get(margin - 1)
         .zip(arrivals.iter().nth_back(margin - 1));

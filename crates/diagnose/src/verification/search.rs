@@ -7,6 +7,7 @@
 //!    what it has more is significant by itself.
 //! 3. Shapes of all causes are looked for again with the others in the model.
 //! 4. Causes that have become superfluous leave, and none joins only to take another one away.
+//! 5. One of them goes with time, or a drift and a jump where together they leave nothing: several can follow any course.
 
 use trueaxis_effects::Shape;
 
@@ -68,7 +69,7 @@ fn grown(
             true => level,
             false => level.min(FURTHER_LEVEL),
         };
-        let Some(next) = best(listed, &causes, excluded, least) else {
+        let Some(next) = best(listed, &causes, excluded, (least, !with_shapes)) else {
             if causes.is_empty() && listed.base.degrees_of_freedom < FEW {
                 causes = hidden_pair(listed, excluded, least);
             }
@@ -105,7 +106,7 @@ fn hidden_pair(listed: &Listed, excluded: &[usize], level: f64) -> Vec<Chosen> {
     };
     let least = level.min(FURTHER_LEVEL);
     let mut pair = vec![first];
-    pair.extend(best(listed, &pair, excluded, least));
+    pair.extend(best(listed, &pair, excluded, (least, false)));
     drop_superfluous(listed, &mut pair, least);
     match pair.len() {
         2 => pair,
@@ -144,18 +145,40 @@ pub(crate) fn drop_superfluous(listed: &Listed, causes: &mut Vec<Chosen>, level:
     }
 }
 
-/// The next cause, if there is one.
-fn best(listed: &Listed, causes: &[Chosen], excluded: &[usize], level: f64) -> Option<Chosen> {
+/// Probability of noise giving a second cause of time, below which it is looked at: what wanders gives one sooner.
+const SECOND_OF_TIME: f64 = 1e-12;
+
+/// The next cause, if there is one: one of time, or a drift and a jump where `both`; several can follow any course.
+fn best(
+    listed: &Listed,
+    causes: &[Chosen],
+    excluded: &[usize],
+    (level, both): (f64, bool),
+) -> Option<Chosen> {
     let beside = listed.beside(causes);
-    let is_of_time = |number: usize| listed.candidates[number].hypothesis.is_of_time();
-    let has_time = causes.iter().any(|cause| is_of_time(cause.candidate));
+    let hypothesis = |number: usize| &listed.candidates[number].hypothesis;
+    let jumps = |number: usize| hypothesis(number).effect.shape == Shape::Instant;
+    let of_time = causes.iter().map(|cause| cause.candidate);
+    let of_time: Vec<usize> = of_time
+        .filter(|&number| hypothesis(number).is_of_time())
+        .collect();
+    let is_one_too_many = |number: usize| match of_time.as_slice() {
+        [] => false,
+        [one] if both => jumps(*one) == jumps(number),
+        _ => true,
+    };
     let mut possible = beside.scores.clone();
     possible.retain(|score| {
         let number = beside.numbers[score.scan];
-        let is_second_of_time = has_time && is_of_time(number);
-        !is_second_of_time && !excluded.contains(&number)
+        let is_too_many = hypothesis(number).is_of_time() && is_one_too_many(number);
+        !is_too_many && !excluded.contains(&number)
     });
     let leader = simplest(listed, &beside, &possible, level)?;
+    let is_of_time = listed.candidate(&beside, leader).hypothesis.is_of_time();
+    let level = match is_of_time && !of_time.is_empty() {
+        true => level.min(SECOND_OF_TIME),
+        false => level,
+    };
     (beside.null().family_wise(leader.ln_p) < level).then(|| listed.chosen(&beside, leader))
 }
 

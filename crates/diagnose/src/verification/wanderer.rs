@@ -165,10 +165,13 @@ impl Wanderer {
 
     /// Itself, and the same columns under another name.
     pub(crate) fn names(self, comparison: &Comparison<'_>) -> impl Iterator<Item = Self> {
-        let has_twin = comparison.line().is_some() && self == Self::Instrument;
-        [Some(self), has_twin.then_some(Self::Machine)]
-            .into_iter()
-            .flatten()
+        let twin = match self {
+            Self::Instrument => comparison.line().map(|_| Self::Machine),
+            Self::Sides if comparison.is_position_after_position() => Some(Self::SidesInTime),
+            Self::SidesInTime if comparison.is_position_after_position() => Some(Self::Sides),
+            _ => None,
+        };
+        [Some(self), twin].into_iter().flatten()
     }
 
     /// Whether a course in time is all that it is.

@@ -16,7 +16,7 @@ use trueaxis_predict::CalibratedMachine;
 use crate::counts::summary;
 use crate::iso_run::TARGET_MM;
 use crate::three_runs::three_runs;
-use crate::{campaign, generator};
+use crate::{campaign, generator, report};
 
 /// µm/m².
 const C: [f64; 3] = [480.0, -280.0, 160.0];
@@ -215,23 +215,37 @@ fn a_ball_bar_shows_a_coupling_from_where_the_axes_were_calibrated() {
     }
 }
 
-/// Squareness and scale that changed since are nearly a coupling from home: what differs is within the uncertainty of the
-/// calibration. It was said to be clear in three of these. Which has more evidence is decided by noise, at odds of 20 to 1 at most once in 20.
-#[test]
-fn squareness_and_scale_that_changed_are_no_clear_coupling() {
+/// How many of some machines whose squareness and scale have changed since their calibration have a clear coupling. What changed is
+/// among what is said of each.
+fn clear_couplings(seeds: std::ops::Range<u64>) -> usize {
     let changed_um = |x_mm: f64, y_mm: f64| [0.02 * x_mm - 0.039 * y_mm, 0.0, 0.0];
-    let mut clear = 0;
-    for seed in 0..10 {
-        let mut random = generator(seed, 63);
+    let is_clear = |seed: &u64| {
+        let mut random = generator(*seed, 63);
         let calibration = calibrated_with(0.8, [0.0; 3], |_, _| [0.0; 3], &mut random);
         let diagnosis = diagnosed(&calibration, vec![circle(changed_um, &mut random)]);
-        let mut causes = diagnosis.causes.iter();
-        let is_clear_coupling =
-            |c: &Cause| c.effect.effect.id == "cross_coupling" && c.rivals.is_empty();
-        clear += usize::from(causes.any(is_clear_coupling));
         let said = alike(&diagnosis);
         let is_changed = |id: &&str| ["squareness_error", "scale_error"].contains(id);
         assert!(said.iter().any(is_changed), "{seed}: {said:?}");
-    }
-    assert!(clear <= 1, "{clear} of 10");
+        let is_clear_coupling =
+            |c: &Cause| c.effect.effect.id == "cross_coupling" && c.rivals.is_empty();
+        diagnosis.causes.iter().any(is_clear_coupling)
+    };
+    seeds.filter(is_clear).count()
+}
+
+/// Squareness and scale that changed since are nearly a coupling from home: what differs is within the uncertainty of the
+/// calibration. It was said to be clear in three of ten. Which has more evidence is decided by noise, at odds of 20 to 1 at most once in 20:
+/// two of four are clear with a probability of 0.014.
+#[test]
+fn squareness_and_scale_that_changed_are_no_clear_coupling() {
+    let clear = clear_couplings(0..4);
+    assert!(clear <= 1, "{clear} of 4");
+}
+
+#[test]
+#[ignore = "study: 40 diagnoses"]
+fn squareness_and_scale_are_seldom_a_clear_coupling() {
+    let clear = clear_couplings(4..44);
+    report(&format!("clear couplings: {clear} of 40"));
+    assert!(clear <= 4, "{clear} of 40");
 }

@@ -88,28 +88,34 @@ impl<'a> LengthsAdjustment<'a> {
             scale: None,
             known_misfits: Vec::new(),
         };
-        let weak = adjustment.check(settings.may_concentrate)?;
+        let weak = adjustment.check(settings.asks_why)?;
         adjustment.take_known(bodies)?;
         Ok((adjustment, weak))
     }
 
     /// Refuses an adjustment that cannot be trusted. Contradictions come first: they make the stations look
     /// weak.
-    fn check(&self, may_concentrate: bool) -> Result<Vec<String>, Error> {
+    fn check(&self, asks_why: bool) -> Result<Vec<String>, Error> {
         let (campaign, lengths, solution) = (self.campaign, self.lengths, &self.screened.solution);
         let residuals_mm = self.screened.residuals_mm();
         let sigma0 = self.given_sigma0();
         if sigma0 > CONTRADICTORY_SIGMA0 {
             return Err(contradictory(campaign, lengths, sigma0, &residuals_mm));
         }
-        let weak = weak_stations(campaign, lengths, solution, &residuals_mm)?;
+        let weak = weak_stations(
+            campaign,
+            lengths,
+            solution,
+            &residuals_mm,
+            (sigma0, asks_why),
+        )?;
         if !solution.termination.is_converged() {
             return Err(Error::NotConverged {
                 iterations: solution.iterations,
                 termination: solution.termination.to_string(),
             });
         }
-        if !may_concentrate {
+        if !asks_why {
             self.check_targets()?;
         }
         Ok(weak)

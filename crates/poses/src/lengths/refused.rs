@@ -9,7 +9,7 @@ use crate::lengths::network::Group;
 use crate::words::{length_in_words, step_in_words, stop_of};
 
 /// What makes many lengths contradict the others.
-const LOOK_AT: &str = "check that every row names its own station and target, that no beam was interrupted, \
+pub(crate) const LOOK_AT: &str = "check that every row names its own station and target, that no beam was interrupted, \
                        and that no target or tripod was moved";
 
 /// Pairs of lengths named before the rest is only counted.
@@ -17,7 +17,7 @@ const MOST_NAMED: usize = 5;
 
 /// What to do about lengths that contradict others: `first`, or adjust them all. Where positions were
 /// approached from both sides, lost motion contradicts itself.
-fn or_as_they_are(campaign: &Campaign, lengths: &Lengths, first: &str) -> String {
+pub(crate) fn or_as_they_are(campaign: &Campaign, lengths: &Lengths, first: &str) -> String {
     let mut steps: Vec<Option<Direction>> = vec![None; campaign.steps.len()];
     let in_runs = |stop: &&Stop| campaign.steps[stop.step].run.is_some();
     let both_sides = lengths.stops.iter().filter(in_runs).any(|stop| {
@@ -28,8 +28,13 @@ fn or_as_they_are(campaign: &Campaign, lengths: &Lengths, first: &str) -> String
         true => "--by-direction tells lost motion from wrong lengths; ",
         false => "",
     };
-    format!("{first}; {by_direction}--no-robust adjusts all lengths as they are")
+    format!("{first}; {ASK_WHY}; {by_direction}{AS_THEY_ARE}")
 }
+
+/// Where a contradiction has a cause that has a name.
+pub(crate) const ASK_WHY: &str = "`trueaxis diagnose` looks for what explains them";
+
+pub(crate) const AS_THEY_ARE: &str = "--no-robust adjusts all lengths as they are";
 
 /// A failed adjustment in the words of the campaign; `groups` are those of its network.
 pub(crate) fn adjustment_error(

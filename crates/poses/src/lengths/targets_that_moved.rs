@@ -8,6 +8,7 @@ use trueaxis_screening::{MOST_OF_A_PART, Removed};
 
 use crate::Error;
 use crate::lengths::LengthsAdjustment;
+use crate::lengths::refused::{AS_THEY_ARE, ASK_WHY};
 use crate::report::StepMisfit;
 use crate::words::step_in_words;
 
@@ -50,12 +51,14 @@ impl LengthsAdjustment<'_> {
                 return Err(Error::not_trustworthy(
                     format!(
                         "{count} of the {lengths} lengths to target {}{from} contradict the others (lines \
-                         {} to {}): it probably moved",
+                         {} to {}): it moved, or a tripod did",
                         self.campaign.targets[*target].name,
                         lines.clone().min().unwrap_or_default(),
                         lines.max().unwrap_or_default(),
                     ),
-                    "check that it sat firmly, and measure again; --no-robust adjusts all lengths as they are",
+                    format!(
+                        "check that both sat firmly, and measure again; {ASK_WHY}; {AS_THEY_ARE}"
+                    ),
                 ));
             }
         }

@@ -5,6 +5,7 @@ use trueaxis_kinematics::MICROMETRE;
 use trueaxis_multilateration::Solution;
 
 use crate::Error;
+use crate::lengths::refused::{LOOK_AT, or_as_they_are};
 
 /// Second-order error of a length, in standard deviations of its noise, from which a station is
 /// worth a notice, and from which nothing that follows from it can be trusted.
@@ -12,12 +13,14 @@ const WEAK_STATION: f64 = 1.0;
 const HOPELESS_STATION: f64 = 5.0;
 
 /// Stations that are so poorly determined that uncertainties of first order mean little: the length
-/// to a station that is off by u across the beam is off by u²/2d, which no linear propagation sees.
+/// to a station that is off by u across the beam is off by u²/2d, which no linear propagation sees. `sigma0` is that with the declared
+/// noise.
 pub(crate) fn weak_stations(
     campaign: &Campaign,
     lengths: &Lengths,
     solution: &Solution,
     residuals_mm: &[f64],
+    (sigma0, asks_why): (f64, bool),
 ) -> Result<Vec<String>, Error> {
     let noise_mm = campaign.instrument.length_sigma_um.unwrap_or(1.0) * MICROMETRE;
     let mut nearest_mm = vec![f64::INFINITY; solution.stations.len()];
@@ -41,7 +44,18 @@ pub(crate) fn weak_stations(
             station.name,
             variance_mm2.sqrt()
         );
-        if second_order.is_nan() || second_order > HOPELESS_STATION {
+        let is_hopeless = second_order.is_nan() || second_order > HOPELESS_STATION;
+        if is_hopeless && second_order <= HOPELESS_STATION * sigma0 * sigma0 {
+            // With the declared noise it would be well enough known.
+            if !asks_why {
+                return Err(Error::not_trustworthy(
+                    format!(
+                        "the lengths contradict each other by {sigma0:.0} times their noise, and so much that {what} mean nothing"
+                    ),
+                    or_as_they_are(campaign, lengths, LOOK_AT),
+                ));
+            }
+        } else if is_hopeless {
             return Err(Error::not_identifiable(
                 format!("{what} mean nothing"),
                 "spread the stations in all directions, heights included; let the targets move through a \

@@ -1,0 +1,71 @@
+//! Readings that another sign or unit, or the compensation, would bring to the prediction.
+
+use crate::{Point, Verified};
+
+/// What may be mistaken about readings that contradict a prediction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mistaken {
+    /// They are commanded less measured.
+    Sign,
+    /// They are a thousand times too large, as those in nm are.
+    TooLarge,
+    /// They are a thousand times too small, as those in mm are.
+    TooSmall,
+    /// The compensation was on, and they are compared without it.
+    WithCompensation,
+    /// The compensation was off, and they are compared with it.
+    WithoutCompensation,
+}
+
+/// Part of the differences that are left, at most, where a mistake explains them.
+const LEFT: f64 = 0.25;
+
+impl Mistaken {
+    /// As a question.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Sign => {
+                "with the opposite sign they would agree: are they commanded less measured?"
+            }
+            Self::TooLarge => "a thousandth of them would agree: are they in nm?",
+            Self::TooSmall => "a thousand times as large they would agree: are they in mm?",
+            Self::WithCompensation => {
+                "they agree with the prediction for a compensated machine: was the compensation on (--compensated)?"
+            }
+            Self::WithoutCompensation => {
+                "they agree with the prediction without compensation: was it off (no --compensated)?"
+            }
+        }
+    }
+}
+
+impl Verified {
+    /// What would leave no more than a quarter of the differences, if anything does; `is_compensated` as in [`crate::verify()`].
+    pub fn mistaken(&self, is_compensated: bool) -> Option<Mistaken> {
+        let rms = |left: &dyn Fn(&Point) -> f64| {
+            let squares: f64 = self.points.iter().map(|point| left(point).powi(2)).sum();
+            (squares / self.points.len().max(1) as f64).sqrt()
+        };
+        let [with, without] = [Mistaken::WithCompensation, Mistaken::WithoutCompensation];
+        let (predicted, other, compensation): (fn(&Point) -> f64, fn(&Point) -> f64, _) =
+            match is_compensated {
+                true => (|p| p.compensated_um, |p| p.predicted_um, without),
+                false => (|p| p.predicted_um, |p| p.compensated_um, with),
+            };
+        let scaled = |factor: f64| rms(&|p| factor * p.reading_um - predicted(p));
+        let own = scaled(1.0);
+        let all = [
+            (compensation, rms(&|p| p.reading_um - other(p))),
+            (Mistaken::Sign, scaled(-1.0)),
+            (Mistaken::TooLarge, scaled(1e-3)),
+            (Mistaken::TooSmall, scaled(1e3)),
+        ];
+        // A thousandth of anything is next to nothing: it must be what is predicted, too.
+        let is_of_prediction = |(mistaken, left): &(Mistaken, f64)| {
+            *mistaken == compensation || *left < LEFT * rms(&|p| predicted(p))
+        };
+        let best = all.into_iter().filter(is_of_prediction);
+        let best = best.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        (best.1 < LEFT * own).then_some(best.0)
+    }
+}
