@@ -20,8 +20,7 @@ pub struct Settings {
     pub robust: bool,
     /// Share of the lengths that may be removed as gross errors.
     pub most_removed: f64,
-    /// Whether a diagnosis asks why lengths contradict each other, where a calibration refuses: those that are removed may be many
-    /// of one target, and what is left may be so much that stations are poorly known.
+    /// As in [`trueaxis_poses::Settings`].
     pub asks_why: bool,
 }
 

@@ -53,9 +53,6 @@ pub fn calibrate_with_effects(
         }
         let contains = &mut calibration.uncertainty.contains;
         contains.push("effects taken out".to_owned());
-    } else {
-        let lacks = &mut calibration.uncertainty.lacks;
-        lacks.push("effects taken out: they have no uncertainties".to_owned());
     }
     calibration.effects = given(campaign, effects);
     Ok(calibration)

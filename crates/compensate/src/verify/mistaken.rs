@@ -46,12 +46,18 @@ impl Verified {
             let squares: f64 = self.points.iter().map(|point| left(point).powi(2)).sum();
             (squares / self.points.len().max(1) as f64).sqrt()
         };
-        let [with, without] = [Mistaken::WithCompensation, Mistaken::WithoutCompensation];
-        let (predicted, other, compensation): (fn(&Point) -> f64, fn(&Point) -> f64, _) =
-            match is_compensated {
-                true => (|p| p.compensated_um, |p| p.predicted_um, without),
-                false => (|p| p.predicted_um, |p| p.compensated_um, with),
-            };
+        let compensated = |is_compensated: bool| {
+            move |point: &Point| match is_compensated {
+                true => point.compensated_um,
+                false => point.predicted_um,
+            }
+        };
+        let predicted = compensated(is_compensated);
+        let other = compensated(!is_compensated);
+        let compensation = match is_compensated {
+            true => Mistaken::WithoutCompensation,
+            false => Mistaken::WithCompensation,
+        };
         let scaled = |factor: f64| rms(&|p| factor * p.reading_um - predicted(p));
         let own = scaled(1.0);
         let all = [
