@@ -44,7 +44,7 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     say_all(verified.iter().flat_map(of_entry));
     say_all(parallel.iter().flat_map(|found| angles(&machine, found)));
     notice_all(&campaign.notices);
-    notice_all(&mistaken(&verified, args.compensated));
+    notice_all(mistaken(&verified, args.compensated));
     results.end(args.result.json.then_some(&text))?;
     let is_rejected = verified.iter().any(Verified::is_misfit);
     Ok(Exit::of_misfit(args.fail_on_misfit && is_rejected))
