@@ -138,7 +138,7 @@ pub fn verify(
 }
 
 /// The campaign with the verification readings as they would be without compensation, to first order: those that were taken with it
-/// plus what it took away. Point checks stay as they are.
+/// plus what it took away, in steps of their last digit, so that they show no more digits than before. Point checks stay as they are.
 ///
 /// # Errors
 /// [`Error::OtherMachine`], [`Error::NotContracting`] as in [`verify()`].
@@ -146,15 +146,29 @@ pub fn uncompensated(machine: &CalibratedMachine, campaign: &Campaign) -> Result
     check_same_machine(machine.machine(), &campaign.machine)?;
     let mut without = campaign.clone();
     for verification in &mut without.verification {
+        let digit_um = last_digit_um(verification);
         for reading in &mut verification.readings {
             let (at, from) = (&reading.positions, reading.direction);
             let [predicted_um, compensated_um] =
                 predicted_um(machine, &verification.kind, at, from)?;
-            reading.value_um += predicted_um - compensated_um;
+            reading.value_um += ((predicted_um - compensated_um) / digit_um).round() * digit_um;
         }
     }
     Ok(without)
 }
+
+/// The smallest difference of two readings, µm; a nanometre if that is less, or if there is none.
+fn last_digit_um(verification: &Verification) -> f64 {
+    let values = verification.readings.iter().map(|reading| reading.value_um);
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    let gaps = values.windows(2).map(|pair| pair[1] - pair[0]);
+    let gaps = gaps.filter(|gap| *gap > FINEST_UM);
+    gaps.min_by(f64::total_cmp).unwrap_or(FINEST_UM)
+}
+
+/// No instrument shows less, µm.
+const FINEST_UM: f64 = 1e-3;
 
 /// What is predicted to be read at commanded positions, without compensation and with every command corrected, µm.
 fn predicted_um(

@@ -155,13 +155,30 @@ impl Curve {
         mean
     }
 
-    /// The number of the gap between steps in which a position is, from 0 for what is below all of them.
-    pub(crate) fn gap(&self, position: f64) -> usize {
-        let steps_below = |side: &Side| {
+    /// Between which steps a position is, of the side from which it is approached if that is given and has a curve of its own:
+    /// positions with the same number are in the same gap.
+    pub(crate) fn gap(&self, position: f64, from: Option<Direction>) -> usize {
+        let gap = |side: &Side| {
             let position = side.in_turn(position);
-            side.steps.partition_point(|&step| step < position)
+            side.knots.partition_point(|knot| knot.position < position)
         };
-        self.sides.iter().map(steps_below).sum()
+        let own = self
+            .sides
+            .iter()
+            .position(|s| from.is_some() && s.direction == from);
+        let counts = || self.sides.iter().map(|side| side.knots.len() + 1);
+        match own {
+            // Behind the numbers of all gaps of the mean curve.
+            Some(own) => {
+                let before: usize = counts().product::<usize>() + counts().take(own).sum::<usize>();
+                before + gap(&self.sides[own])
+            }
+            None => self
+                .sides
+                .iter()
+                .zip(counts())
+                .fold(0, |all, (side, count)| all * count + gap(side)),
+        }
     }
 
     /// Divided differences over neighbouring steps: of this order, or else of that of the interpolation's remainder.

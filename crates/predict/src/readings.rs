@@ -259,7 +259,8 @@ impl CalibratedMachine {
             let of_components = counts.columns(TRANSLATION, 6);
             let of_components = Vector6::from_iterator(of_components.iter().copied());
             let u = axis.remainder.u(&sample);
-            let gap = axis.curve.gap(position);
+            let side = from.filter(|(measured, _)| *measured == axis.axis);
+            let gap = axis.curve.gap(position, side.map(|(_, side)| side));
             row.interpolated
                 .push((axis.axis, gap, of_components.component_mul(&u)));
         }

@@ -21,7 +21,7 @@
 //! ρ = mean_j (r_j r_{j+1} - w_jᵀ cov(f) w_{j+1}) / s²     c² = (1 + ρ)/2     u(q) = s |ω(q)| 4 (2 + c) / (3 (1 + c)²)
 //! ```
 //!
-//! which is 1.04 `s |ω|` for a wave of ten steps, 1.15 for one of five, 1.8 for one of two and a half, and 8/3 for what goes up and
+//! which is 1.03 `s |ω|` for a wave of ten steps, 1.15 for one of five, 1.8 for one of two and a half, and 8/3 for what goes up and
 //! down with every step. What fits between the steps unseen is unseen.
 //!
 //! Outside the steps the errors of the nearest, `q_0`, are held, whose remainder is that of a slope. With the step before it,

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::calibration::Calibration;
-use crate::diagnosis::{Diagnosis, Disturbance, Shares};
+use crate::diagnosis::{Diagnosis, Disturbance};
 use crate::numbers::{fixed, p_value};
 use crate::verification::Verification;
 use crate::words;
@@ -124,7 +124,7 @@ fn contradictions(calibration: &Calibration) -> Vec<String> {
         [] => Vec::new(),
         [one] => vec![format!("It contradicts the rest: {one}.")],
         [first, others @ ..] => vec![format!(
-            "They contradict the rest: {first}, and {} more steps, runs or known lengths.",
+            "They contradict the rest: {first}, and {} more (steps, runs or known lengths).",
             others.len()
         )],
     }
@@ -172,11 +172,11 @@ fn said(diagnosis: &Diagnosis) -> String {
     }
 }
 
-/// Whether what wanders explains more of the squares than all causes do.
+/// Whether what wanders explains more of the squares than causes do, wherever there are causes.
 fn is_mostly_wandering(diagnosis: &Diagnosis) -> bool {
-    let sum = |of: fn(&Shares) -> &Vec<f64>| -> f64 {
-        let shares = diagnosis.levels.iter().map(|level| &level.shares);
-        shares.flat_map(of).sum()
-    };
-    sum(|shares| &shares.disturbances) > sum(|shares| &shares.causes)
+    let shares = diagnosis.levels.iter().map(|level| &level.shares);
+    let mut with_causes = shares.filter(|shares| !shares.causes.is_empty()).peekable();
+    let sum = |of: &[f64]| of.iter().sum::<f64>();
+    with_causes.peek().is_some()
+        && with_causes.all(|shares| sum(&shares.disturbances) > sum(&shares.causes))
 }

@@ -17,6 +17,9 @@ pub enum Mistaken {
     WithoutCompensation,
 }
 
+/// Readings, at least: fewer agree with something by chance.
+const LEAST_POINTS: usize = 6;
+
 /// Part of the differences that are left, at most, where a mistake explains them.
 const LEFT: f64 = 0.25;
 
@@ -40,8 +43,12 @@ impl Mistaken {
 }
 
 impl Verified {
-    /// What would leave no more than a quarter of the differences, if anything does; `is_compensated` as in [`crate::verify()`].
+    /// What would leave no more than a quarter of the differences, if anything does and they do not agree; `is_compensated` as in [`crate::verify()`].
     pub fn mistaken(&self, is_compensated: bool) -> Option<Mistaken> {
+        let agrees = self.p_value.is_some() && !self.is_misfit();
+        if agrees || self.points.len() < LEAST_POINTS {
+            return None;
+        }
         let rms = |left: &dyn Fn(&Point) -> f64| {
             let squares: f64 = self.points.iter().map(|point| left(point).powi(2)).sum();
             (squares / self.points.len().max(1) as f64).sqrt()

@@ -137,19 +137,26 @@ fn concentrated(all: &[&LeftOut]) -> Vec<usize> {
     of_them.map(|left_out| left_out.number).collect()
 }
 
-/// As many wrong lengths in a row are no accidents: at one wrong length in a hundred they happen once in a
-/// million.
-const IN_A_ROW: usize = 3;
+/// Wrong lengths in a row that are no accidents, at least.
+const LEAST_IN_A_ROW: f64 = 3.0;
 
-/// Those of some readings (ascending) that follow each other, three to one target or four from one station, ascending.
+/// Rows that accidents make in a campaign, at most, in the mean.
+const ACCIDENTAL_ROWS: f64 = 0.01;
+
+/// Those of some readings (ascending) that follow each other, ascending: as many to one target as accidents hardly ever are (three where
+/// one in a hundred is wrong, four at two), or one more from one station.
 fn in_a_row(numbers: &[usize], lengths: &Lengths) -> Vec<usize> {
+    let all = lengths.readings.len() as f64;
+    let share = numbers.len() as f64 / all.max(1.0);
+    let least = ((ACCIDENTAL_ROWS / all.max(1.0)).ln() / share.ln()).ceil();
+    let least = least.max(LEAST_IN_A_ROW) as usize;
     let mut rows: BTreeMap<(usize, Option<usize>), Vec<usize>> = BTreeMap::new();
     let mut found = Vec::new();
     for stop in &lengths.stops {
         for number in stop.readings.clone() {
             let is_one = numbers.binary_search(&number).is_ok();
             let target = lengths.readings[number].target;
-            for (of, least) in [(Some(target), IN_A_ROW), (None, IN_A_ROW + 1)] {
+            for (of, least) in [(Some(target), least), (None, least + 1)] {
                 let row = rows.entry((stop.station, of)).or_default();
                 match is_one {
                     true => row.push(number),

@@ -62,7 +62,7 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
     // Under an unknown variance a drop T counts ν ln(S/(S - T)), which is T/σ² for small T.
     let variance = squares / dof;
     let (shape, statistic, rank) = best_shape(projection, scan, |_| true)?;
-    let (_, tested, tested_rank) = best_shape(projection, scan, |tried| tried.is_tested)?;
+    let tested = best_shape(projection, scan, |tried| tried.is_tested);
     let mut listed: Vec<OfShape> = Vec::new();
     let mut shapes = 0;
     scan.for_each(&projection.residuals, &mut |tried, gram, s| {
@@ -96,7 +96,9 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
         },
         statistic,
         rank,
-        ln_p: ln_f_test(tested, squares, tested_rank, dof),
+        ln_p: tested.map_or(0.0, |(_, statistic, rank)| {
+            ln_f_test(statistic, squares, rank, dof)
+        }),
         bic: n * left.ln() + parameters as f64 * n.ln(),
         evidence: mean_evidence(&evidences, shapes) - 2.0 * (hypothesis.subjects as f64).ln(),
     })

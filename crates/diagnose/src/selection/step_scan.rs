@@ -265,7 +265,7 @@ impl Scan for StepScan {
         }
     }
 
-    /// Those between visits. One within a visit is three readings or two of it away from a tested one, which shows it nearly as well;
+    /// Those between visits. One within a visit is a few readings away from a tested one, which shows it nearly as well;
     /// to test them all would take as much longer as there are more.
     fn for_each_of(&self, residuals: &[Lanes], f: &mut OfSeveral<'_>) {
         let n = self.parameters;

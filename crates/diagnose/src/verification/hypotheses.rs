@@ -52,11 +52,12 @@ pub(crate) fn candidates<'a>(
 ) -> Vec<Candidate<'a>> {
     let mut all = Vec::new();
     let readings: usize = comparison.arrivals.iter().map(|a| a.readings).sum();
+    // Nothing tells then when the axis went which way.
+    let are_sides_in_doubt =
+        goes_against_its_sides(comparison) || one_side::doubt(comparison).is_some();
     for &effect in catalogue() {
-        // Nothing tells then when the axis went which way.
-        let is_open = effect.id == TIMESTAMP_OFFSET
-            && (goes_against_its_sides(comparison) || one_side::doubt(comparison).is_some());
-        if !effect.levels.contains(&Level::Verification) || is_open {
+        let is_in_doubt = effect.id == TIMESTAMP_OFFSET && are_sides_in_doubt;
+        if !effect.levels.contains(&Level::Verification) || is_in_doubt {
             continue;
         }
         let mut scene = Scene {

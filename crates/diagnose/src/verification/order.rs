@@ -24,7 +24,7 @@ pub(crate) fn put_in_order(verification: &mut Verification) -> Option<String> {
         let time_s = |reading: &VerificationReading| reading.time_s.unwrap_or_default();
         let readings = &mut verification.readings;
         readings.sort_by(|a, b| time_s(a).total_cmp(&time_s(b)));
-        let is_exchanged = order(verification) == Some(Order::Exchanged);
+        let is_exchanged = orders(verification).contains(&Order::Exchanged);
         return is_exchanged.then(|| {
             format!(
                 "{}: by time_s, passes go against their direction: forward and backward may be exchanged, and late time stamps \
@@ -34,7 +34,7 @@ pub(crate) fn put_in_order(verification: &mut Verification) -> Option<String> {
         });
     }
     let axis = line(&verification.kind)?;
-    let order = order(verification)?;
+    let order = orders(verification).into_iter().max()?;
     if order == Order::Printed {
         let readings = &verification.readings;
         let lines = positioning_lines(axis, readings.iter().map(|r| r.positions.as_slice()));
@@ -59,9 +59,11 @@ pub(crate) fn put_in_order(verification: &mut Verification) -> Option<String> {
     Some(format!("{}: without time_s {said}", verification.name))
 }
 
-/// What the order of the rows of a line is.
-fn order(verification: &Verification) -> Option<Order> {
-    let axis = line(&verification.kind)?;
+/// What the order of the rows of each line is.
+fn orders(verification: &Verification) -> Vec<Order> {
+    let Some(axis) = line(&verification.kind) else {
+        return Vec::new();
+    };
     let readings = &verification.readings;
     let lines = positioning_lines(axis, readings.iter().map(|r| r.positions.as_slice()));
     let rows = readings.iter().map(|r| Stop {
@@ -73,7 +75,7 @@ fn order(verification: &Verification) -> Option<Order> {
         stops.dedup_by(|a, b| a.is(b));
         Order::of(&stops)
     });
-    found.max()
+    found.collect()
 }
 
 /// Whether passes of a line go against their side.

@@ -7,7 +7,7 @@
 
 use crate::Rival;
 use crate::engine::{Chosen, Listed};
-use crate::verification::base::{cycles, indicators};
+use crate::verification::base::{count, cycles, indicators};
 use crate::verification::lost_motion::{EFFECT, FORMS};
 use crate::verification::problem::Problem;
 use crate::verification::wanderer::Wanderer;
@@ -24,11 +24,23 @@ pub(crate) fn rivals_by_pauses(
     let own = listed.hypothesis(&causes[k]);
     let is_lost_motion = FORMS.contains(&own.effect.id) && own.subject.axis == comparison.line();
     let is_of_time = |cause: &Chosen| listed.hypothesis(cause).is_of_time();
-    if comparison.timed || !is_lost_motion || !causes.iter().any(is_of_time) {
+    let cycles = cycles(comparison);
+    // Half waves are rougher than any pause makes.
+    let straight = match own.effect.id == EFFECT {
+        true => 2,
+        false => 1,
+    };
+    let fit = &listed.sizes(causes)[k].fit;
+    if comparison.timed
+        || !is_lost_motion
+        || !causes.iter().any(is_of_time)
+        || count(&cycles) < 2
+        || fit.estimates.len() != straight
+    {
         return Vec::new();
     }
     // Beside the zero of the line the first one has no meaning.
-    let offsets = indicators(&cycles(comparison)).into_iter().skip(1);
+    let offsets = indicators(&cycles).into_iter().skip(1);
     let offsets: Vec<Vec<f64>> = offsets.map(|offset| problem.whiten(&offset)).collect();
     let paused = Listed {
         base: listed.base.extended(&offsets),
@@ -39,11 +51,11 @@ pub(crate) fn rivals_by_pauses(
     let Some(number) = others.iter().position(|cause| *cause == causes[k]) else {
         return Vec::new();
     };
-    let without_pauses = &listed.sizes(causes)[k].fit.estimates;
-    let with_pauses = &paused.sizes(&others)[number].fit.estimates;
-    let turns = |i: usize| without_pauses[i] * with_pauses[i] <= 0.0;
+    let with_pauses = &paused.sizes(&others)[number].fit;
+    let turns =
+        |i: usize| with_pauses.seen[i] && fit.estimates[i] * with_pauses.estimates[i] <= 0.0;
     // Mean and slope, of a constant the mean alone.
-    let turning = [0, 1].map(|i| i >= without_pauses.len() || turns(i));
+    let turning = [0, 1].map(|i| i >= straight || turns(i));
     match turning {
         [true, true] => {
             let names = Wanderer::Instrument.names(comparison);

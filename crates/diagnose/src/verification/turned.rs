@@ -12,7 +12,7 @@ use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::f_upper_tail;
 
 use crate::verification::arrivals::is_same;
-use crate::verification::base::{count, places};
+use crate::verification::base::{count, lines, places};
 use crate::verification::comparison::{Comparison, line};
 use crate::verification::resolution::resolution_um;
 
@@ -28,9 +28,12 @@ const CURVED: f64 = 0.01;
 /// What an end has of the lost motion within, at most, if it has none.
 const NONE: f64 = 0.25;
 
-/// The positions of such ends and the side from which the axis came to them, and what is to be said of it.
+/// The positions of such ends of a single line and the side from which the axis came to them, and what is to be said of it.
 pub(crate) fn turned(comparison: &Comparison<'_>) -> Option<(Vec<(f64, Direction)>, String)> {
     let axis = comparison.line()?;
+    if count(&lines(comparison)) > 1 {
+        return None;
+    }
     let resolution_um = resolution_um(comparison.arrivals.iter().map(|a| a.value_um))?;
     let differences = differences(comparison)?;
     let positions = comparison.positions(axis);

@@ -102,13 +102,11 @@ impl<'a> LengthsAdjustment<'a> {
         if sigma0 > CONTRADICTORY_SIGMA0 {
             return Err(contradictory(campaign, lengths, sigma0, &residuals_mm));
         }
-        let weak = weak_stations(
-            campaign,
-            lengths,
-            solution,
-            &residuals_mm,
-            (sigma0, asks_why),
-        )?;
+        let by = match campaign.instrument.declares_noise() {
+            true => sigma0,
+            false => 1.0,
+        };
+        let weak = weak_stations(campaign, lengths, solution, &residuals_mm, (by, asks_why))?;
         if !solution.termination.is_converged() {
             return Err(Error::NotConverged {
                 iterations: solution.iterations,
