@@ -138,7 +138,10 @@ fn concentrated(all: &[&LeftOut]) -> Vec<usize> {
 }
 
 /// Wrong lengths in a row that are no accidents, at least.
-const LEAST_IN_A_ROW: f64 = 3.0;
+const LEAST_IN_A_ROW: i32 = 3;
+
+/// A row of this length is none in any case.
+const LONG: i32 = 10;
 
 /// Rows that accidents make in a campaign, at most, in the mean.
 const ACCIDENTAL_ROWS: f64 = 0.01;
@@ -148,8 +151,9 @@ const ACCIDENTAL_ROWS: f64 = 0.01;
 fn in_a_row(numbers: &[usize], lengths: &Lengths) -> Vec<usize> {
     let all = lengths.readings.len() as f64;
     let share = numbers.len() as f64 / all.max(1.0);
-    let least = ((ACCIDENTAL_ROWS / all.max(1.0)).ln() / share.ln()).ceil();
-    let least = least.max(LEAST_IN_A_ROW) as usize;
+    let accidental = |count: i32| all * share.powi(count);
+    let least = (LEAST_IN_A_ROW..LONG).find(|&count| accidental(count) < ACCIDENTAL_ROWS);
+    let least = usize::try_from(least.unwrap_or(LONG)).unwrap_or(usize::MAX);
     let mut rows: BTreeMap<(usize, Option<usize>), Vec<usize>> = BTreeMap::new();
     let mut found = Vec::new();
     for stop in &lengths.stops {
