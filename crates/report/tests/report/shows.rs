@@ -134,9 +134,20 @@ fn the_verdict_follows_residuals_and_diagnosis() {
             "orange dashed: backward",
         ],
     );
+    // More noise than declared is no contradiction of the model, unless a step contradicts the rest.
+    let louder = "1.02 times what the declared noise explains";
     has(
         &of(&contradicted, Some("clean")),
-        &["verdict bad", "1.02 times what the declared noise explains"],
+        &["verdict care", "The noise is more than declared", louder],
+    );
+    contradicted["misfits"] = json!([{ "step": "run x at X = 20.0 mm", "p_value": 1e-6 }]);
+    has(
+        &of(&contradicted, Some("clean")),
+        &[
+            "verdict bad",
+            louder,
+            "contradicts the rest: run x at X = 20.0 mm",
+        ],
     );
 }
 
