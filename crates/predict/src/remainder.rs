@@ -184,7 +184,7 @@ mod tests {
         sums
     }
 
-    /// A wave of random phase: u is the rms of what the curve is off by half way between steps. That of 900 phases is known to 2 %, and
+    /// A wave of random phase: u is the rms of what the curve is off by half way between steps. That of 360 phases is known to 4 %, and
     /// the mean over 21 steps of waves that do not fit in is off by some per cent.
     #[test]
     fn u_between_the_steps_is_that_of_short_waves_too() {
@@ -192,9 +192,9 @@ mod tests {
         let nodes: Vec<_> = (0..STEPS).map(|k| at(k as f64, None)).collect();
         let curve = Curve::new(AxisKind::Linear, &nodes);
         let certain = FactoredCovariance::zero(STEPS, 6 * STEPS);
-        for wave_steps in [2.2, 2.5, 3.0, 4.0, 5.0, 8.0, 20.0] {
+        for wave_steps in [2.2, 3.0, 5.0, 20.0] {
             let mut sums = [0.0; 2];
-            for _ in 0..150 {
+            for _ in 0..60 {
                 let phase = Vector6::from_fn(|_, _| TAU * random.random::<f64>());
                 let wave = |q: f64| phase.map(|phase| (TAU * q / wave_steps + phase).sin());
                 let errors = (0..STEPS).map(|k| MotionError::from_vector(&wave(k as f64)));
