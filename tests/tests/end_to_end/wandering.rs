@@ -3,6 +3,7 @@
 //! The fast part of the studies of docs/diagnosis.md (`examples/blind.rs`).
 
 use rayon::prelude::*;
+use trueaxis_campaign::Campaign;
 use trueaxis_diagnose::{Diagnosis, Rival, Settings, Verdict, Wandering, diagnose};
 use trueaxis_effects::Level;
 use trueaxis_tests::blind::{self, Hidden, Kind};
@@ -12,11 +13,15 @@ fn both_sides() -> Kind {
 }
 
 fn diagnosed(kind: &Kind, hidden: &[Hidden], seed: u64) -> Diagnosis {
+    diagnosed_campaign(&blind::campaign(kind, hidden, seed))
+}
+
+fn diagnosed_campaign(campaign: &Campaign) -> Diagnosis {
     let settings = Settings {
         explain_curves: false,
         ..Settings::default()
     };
-    diagnose(&blind::campaign(kind, hidden, seed), &settings).unwrap()
+    diagnose(campaign, &settings).unwrap()
 }
 
 fn hide(kind: &Kind, name: &str, seed: u64, strength: f64) -> Hidden {
@@ -167,10 +172,6 @@ fn a_hall_that_breathes_is_no_stack_of_causes() {
 #[test]
 fn many_wrong_lengths_are_left_out_and_name_nothing() {
     let kind = Kind::three_axis();
-    let settings = Settings {
-        explain_curves: false,
-        ..Settings::default()
-    };
     let slip = || hide(&kind, "target_slip", 343, 40.0);
     let wrong: Vec<String> = [(340, false), (341, false), (342, false), (343, true)]
         .into_par_iter()
@@ -182,7 +183,7 @@ fn many_wrong_lengths_are_left_out_and_name_nothing() {
                 let size_mm = 0.02 + 0.28 * ((7 * k) % 47) as f64 / 47.0;
                 reading.length_mm += if k % 3 == 0 { -size_mm } else { size_mm };
             }
-            let diagnosis = diagnose(&campaign, &settings).unwrap();
+            let diagnosis = diagnosed_campaign(&campaign);
             let causes: Vec<&str> = diagnosis
                 .causes
                 .iter()
@@ -202,10 +203,6 @@ fn many_wrong_lengths_are_left_out_and_name_nothing() {
 #[test]
 fn one_wrong_length_is_left_out_and_names_nothing() {
     let kind = Kind::three_axis();
-    let settings = Settings {
-        explain_curves: false,
-        ..Settings::default()
-    };
     let wrong: Vec<String> = [
         (330, 700, 0.0),
         (330, 700, 0.008),
@@ -219,7 +216,7 @@ fn one_wrong_length_is_left_out_and_names_nothing() {
         let reading = &mut campaign.lengths.as_mut().unwrap().readings[number];
         reading.length_mm += by_mm;
         let line = reading.line.to_string();
-        let diagnosis = diagnose(&campaign, &settings).unwrap();
+        let diagnosis = diagnosed_campaign(&campaign);
         let is_told = diagnosis
             .notices
             .iter()

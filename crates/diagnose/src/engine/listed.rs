@@ -113,8 +113,7 @@ impl<'a> Listed<'a> {
             else {
                 continue;
             };
-            let best =
-                best_shape(&model, &scan, |_| true).filter(|(_, explained, _)| *explained > worth);
+            let best = best_shape(&model, &scan).filter(|(_, explained, _)| *explained > worth);
             let finer = best.and_then(|(shape, ..)| candidate.refined(&model, shape, ROUGHLY));
             if let Some(shape) = finer {
                 scan.add(&model, shape, &candidate.columns(shape));

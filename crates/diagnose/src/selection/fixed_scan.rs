@@ -36,7 +36,7 @@ impl FixedScan {
         shapes: &[f64],
         columns: impl Fn(f64) -> Vec<Vec<f64>>,
     ) -> Option<Self> {
-        let tried = shapes.iter().map(|&shape| Tried::new(shape));
+        let tried = shapes.iter().copied().map(Tried::new);
         Self::of(hypothesis, projection, tried, columns)
     }
 
@@ -48,9 +48,8 @@ impl FixedScan {
         columns: impl Fn(f64) -> Vec<Vec<f64>>,
     ) -> Option<Self> {
         let tried = gaps_s.iter().map(|gap| Tried {
-            shape: middle(gap),
             gap_s: Some(gap[1] - gap[0]),
-            is_tested: true,
+            ..Tried::new(middle(gap))
         });
         Self::of(hypothesis, projection, tried, columns)
     }

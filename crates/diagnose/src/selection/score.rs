@@ -61,8 +61,8 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
     let dof = projection.degrees_of_freedom;
     // Under an unknown variance a drop T counts ν ln(S/(S - T)), which is T/σ² for small T.
     let variance = squares / dof;
-    let (shape, statistic, rank) = best_shape(projection, scan, |_| true)?;
-    let tested = best_shape(projection, scan, |tried| tried.is_tested);
+    let [best, tested] = best_shapes(projection, scan);
+    let (shape, statistic, rank) = best?;
     let mut listed: Vec<OfShape> = Vec::new();
     let mut shapes = 0;
     scan.for_each(&projection.residuals, &mut |tried, gram, s| {
@@ -108,32 +108,39 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
 /// likelihood: a factor of e⁻²⁰ each.
 const NEGLIGIBLE: f64 = 40.0;
 
-/// Of some shapes that whose statistic is the least likely from noise, its statistic and rank.
-pub(crate) fn best_shape(
-    projection: &Projection,
-    scan: &dyn Scan,
-    is_of_them: impl Fn(&Tried) -> bool,
-) -> Option<(f64, f64, usize)> {
-    let mut of_ranks: Vec<(f64, f64)> = Vec::new();
+/// A shape with its statistic and rank.
+type Best = (f64, f64, usize);
+
+/// The shape whose statistic is the least likely from noise.
+pub(crate) fn best_shape(projection: &Projection, scan: &dyn Scan) -> Option<Best> {
+    let [best, _] = best_shapes(projection, scan);
+    best
+}
+
+/// The same, and that of the shapes that are tested.
+fn best_shapes(projection: &Projection, scan: &dyn Scan) -> [Option<Best>; 2] {
+    // For each rank the largest statistic.
+    let mut of_ranks: [Vec<(f64, f64)>; 2] = Default::default();
     scan.for_each(&projection.residuals, &mut |tried, gram, s| {
-        if !is_of_them(&tried) {
-            return;
-        }
-        let rank = gram.rank();
-        if of_ranks.len() <= rank {
-            of_ranks.resize(rank + 1, (0.0, f64::NEG_INFINITY));
-        }
-        let statistic = gram.statistic(s);
-        if statistic > of_ranks[rank].1 {
-            of_ranks[rank] = (tried.shape, statistic);
+        let (rank, statistic) = (gram.rank(), gram.statistic(s));
+        let asked = if tried.is_tested { 2 } else { 1 };
+        for own in &mut of_ranks[..asked] {
+            if own.len() <= rank {
+                own.resize(rank + 1, (0.0, f64::NEG_INFINITY));
+            }
+            if statistic > own[rank].1 {
+                own[rank] = (tried.shape, statistic);
+            }
         }
     });
     let (squares, dof) = (projection.squares(), projection.degrees_of_freedom);
     let ln_p = |rank: usize, statistic: f64| ln_f_test(statistic, squares, rank, dof);
-    let seen = of_ranks.into_iter().enumerate().skip(1);
-    seen.filter(|(_, (_, statistic))| statistic.is_finite())
-        .map(|(rank, (shape, statistic))| (shape, statistic, rank))
-        .min_by(|a, b| ln_p(a.2, a.1).total_cmp(&ln_p(b.2, b.1)))
+    of_ranks.map(|own| {
+        let seen = own.into_iter().enumerate().skip(1);
+        seen.filter(|(_, (_, statistic))| statistic.is_finite())
+            .map(|(rank, (shape, statistic))| (shape, statistic, rank))
+            .min_by(|a, b| ln_p(a.2, a.1).total_cmp(&ln_p(b.2, b.1)))
+    })
 }
 
 /// A shape with twice the logarithm of its marginal likelihood.

@@ -20,12 +20,23 @@ const A_PASS: usize = 3;
 
 /// Puts the readings in the order of measuring; a notice says where their own order does not tell it.
 pub(crate) fn put_in_order(verification: &mut Verification) -> Option<String> {
-    if are_timed(&verification.readings) {
+    let timed = are_timed(&verification.readings);
+    if timed {
         let time_s = |reading: &VerificationReading| reading.time_s.unwrap_or_default();
         let readings = &mut verification.readings;
         readings.sort_by(|a, b| time_s(a).total_cmp(&time_s(b)));
-        let is_exchanged = orders(verification).contains(&Order::Exchanged);
-        return is_exchanged.then(|| {
+    }
+    let axis = line(&verification.kind)?;
+    let readings = &verification.readings;
+    let lines = positioning_lines(axis, readings.iter().map(|r| r.positions.as_slice()));
+    let rows = readings.iter().map(|r| Stop {
+        cycle: r.cycle,
+        direction: r.direction,
+        at: r.positions[axis],
+    });
+    let orders = orders(rows, &lines);
+    if timed {
+        return orders.contains(&Order::Exchanged).then(|| {
             format!(
                 "{}: by time_s, passes go against their direction: forward and backward may be exchanged, and late time stamps \
                  are not looked for",
@@ -33,11 +44,8 @@ pub(crate) fn put_in_order(verification: &mut Verification) -> Option<String> {
             )
         });
     }
-    let axis = line(&verification.kind)?;
-    let order = orders(verification).into_iter().max()?;
+    let order = orders.into_iter().max()?;
     if order == Order::Printed {
-        let readings = &verification.readings;
-        let lines = positioning_lines(axis, readings.iter().map(|r| r.positions.as_slice()));
         let mut numbered: Vec<(usize, VerificationReading)> = lines
             .into_iter()
             .zip(std::mem::take(&mut verification.readings))
@@ -60,18 +68,8 @@ pub(crate) fn put_in_order(verification: &mut Verification) -> Option<String> {
 }
 
 /// What the order of the rows of each line is.
-fn orders(verification: &Verification) -> Vec<Order> {
-    let Some(axis) = line(&verification.kind) else {
-        return Vec::new();
-    };
-    let readings = &verification.readings;
-    let lines = positioning_lines(axis, readings.iter().map(|r| r.positions.as_slice()));
-    let rows = readings.iter().map(|r| Stop {
-        cycle: r.cycle,
-        direction: r.direction,
-        at: r.positions[axis],
-    });
-    let found = by_line(rows, &lines).into_iter().map(|mut stops| {
+fn orders(rows: impl Iterator<Item = Stop>, lines: &[usize]) -> Vec<Order> {
+    let found = by_line(rows, lines).into_iter().map(|mut stops| {
         stops.dedup_by(|a, b| a.is(b));
         Order::of(&stops)
     });
@@ -80,13 +78,8 @@ fn orders(verification: &Verification) -> Vec<Order> {
 
 /// Whether passes of a line go against their side.
 pub(crate) fn goes_against_its_sides(comparison: &Comparison<'_>) -> bool {
-    if comparison.line().is_none() {
-        return false;
-    }
-    let of_lines = by_line(stops(comparison), &lines(comparison));
-    of_lines
-        .iter()
-        .any(|stops| Order::of(stops) == Order::Exchanged)
+    comparison.line().is_some()
+        && orders(stops(comparison), &lines(comparison)).contains(&Order::Exchanged)
 }
 
 /// Rows of one line that follow each other at one position from one side in one cycle.

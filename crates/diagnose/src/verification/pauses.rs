@@ -7,36 +7,34 @@
 
 use crate::Rival;
 use crate::engine::{Chosen, Listed};
+use crate::selection::Fit;
 use crate::verification::base::{count, cycles, indicators};
 use crate::verification::lost_motion::{EFFECT, FORMS};
 use crate::verification::problem::Problem;
 use crate::verification::wanderer::Wanderer;
 
-/// What pauses leave of lost motion beside a cause of time: that which is as large everywhere, or nothing, in which case it is what
+/// What pauses leave of lost motion, cause `k` with its fit, beside a cause of time: that which is as large everywhere, or nothing, in which case it is what
 /// goes with time.
 pub(crate) fn rivals_by_pauses(
     problem: &Problem<'_>,
     causes: &[Chosen],
-    k: usize,
+    (k, fit): (usize, &Fit),
     evidence: f64,
 ) -> Vec<Rival> {
     let (comparison, listed) = (problem.comparison, &problem.listed);
     let own = listed.hypothesis(&causes[k]);
     let is_lost_motion = FORMS.contains(&own.effect.id) && own.subject.axis == comparison.line();
     let is_of_time = |cause: &Chosen| listed.hypothesis(cause).is_of_time();
-    let cycles = cycles(comparison);
-    // Half waves are rougher than any pause makes.
+    if comparison.timed || !is_lost_motion || !causes.iter().any(is_of_time) {
+        return Vec::new();
+    }
+    // Mean and slope, of a constant the mean alone. Half waves are rougher than any pause makes.
     let straight = match own.effect.id == EFFECT {
         true => 2,
         false => 1,
     };
-    let fit = &listed.sizes(causes)[k].fit;
-    if comparison.timed
-        || !is_lost_motion
-        || !causes.iter().any(is_of_time)
-        || count(&cycles) < 2
-        || fit.estimates.len() != straight
-    {
+    let cycles = cycles(comparison);
+    if count(&cycles) < 2 || fit.estimates.len() != straight {
         return Vec::new();
     }
     // Beside the zero of the line the first one has no meaning.
@@ -54,7 +52,6 @@ pub(crate) fn rivals_by_pauses(
     let with_pauses = &paused.sizes(&others)[number].fit;
     let turns =
         |i: usize| with_pauses.seen[i] && fit.estimates[i] * with_pauses.estimates[i] <= 0.0;
-    // Mean and slope, of a constant the mean alone.
     let turning = [0, 1].map(|i| i >= straight || turns(i));
     match turning {
         [true, true] => {

@@ -71,7 +71,7 @@ pub(crate) fn causes(
             rivals: [
                 rival_disturbances(problem, wandering, chosen, k, judged.score.evidence),
                 rivals(&problem.listed, &chosen[k..=k], &judged),
-                rivals_by_pauses(problem, chosen, k, judged.score.evidence),
+                rivals_by_pauses(problem, chosen, (k, &sized.fit), judged.score.evidence),
             ]
             .concat(),
             curve: curve.unwrap_or_default(),
