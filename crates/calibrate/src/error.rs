@@ -82,6 +82,30 @@ pub enum Error {
 }
 
 impl Error {
+    /// What a diagnosis says that is refused as well.
+    pub fn of_a_diagnosis(self) -> Self {
+        match self {
+            Self::Poses(error) => Self::Poses(error.of_a_diagnosis()),
+            Self::Mistaken { error, explanation } => Self::Mistaken {
+                error: Box::new(error.of_a_diagnosis()),
+                explanation,
+            },
+            other => other,
+        }
+    }
+
+    /// What is wrong, without what to do about it.
+    pub fn what(&self) -> String {
+        match self {
+            Self::Poses(error) => error.what(),
+            Self::NotIdentifiable { what, .. } => what.clone(),
+            Self::Mistaken { error, explanation } => {
+                format!("{}; this would explain it: {explanation}", error.what())
+            }
+            other => other.to_string(),
+        }
+    }
+
     /// Whether the data contradict each other or the machine, as after a mistake.
     pub(crate) fn is_contradiction(&self) -> bool {
         use trueaxis_poses::Error as Poses;

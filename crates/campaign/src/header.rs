@@ -80,6 +80,10 @@ pub(crate) fn check(
     required: &[&str],
     optional: &[&str],
 ) -> Result<(), Error> {
+    if header.iter().any(|column| column.contains('\r')) {
+        let separator = "commas, but the lines by CR alone, as on old Macs";
+        return Err(Problem::Separator { separator }.at(Place::line(file, line)));
+    }
     if let [whole] = header {
         for (separator, words) in [(';', "semicolons"), ('\t', "tabs")] {
             if whole.contains(separator) {

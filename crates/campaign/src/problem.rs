@@ -84,7 +84,7 @@ pub enum Problem {
     // CSV files.
     /// The fields are not separated by commas.
     #[error(
-        "the columns are separated by {separator}; expected commas, and points as \
+        "the columns are separated by {separator}; expected commas, line ends of LF or CR LF, and points as \
          decimal marks: export the table as comma separated values"
     )]
     Separator {

@@ -3,6 +3,8 @@
 use trueaxis_campaign::{Campaign, read};
 use trueaxis_files::counted;
 use trueaxis_kinematics::Branch;
+use trueaxis_poses::missing;
+use trueaxis_predict::{GIVE_COMMANDED, positions_are_read_out};
 
 use crate::args::CheckArgs;
 use crate::exit::Exit;
@@ -16,16 +18,28 @@ mod json;
 pub(crate) fn run(args: &CheckArgs) -> anyhow::Result<Exit> {
     let campaign = read(&args.campaign)?;
     describe(&campaign);
-    notice_all(&campaign.notices);
-    let verdict = match campaign.notices.len() {
+    let mut notices = campaign.notices.clone();
+    notices.extend(missing(&campaign));
+    notices.extend(read_out(&campaign));
+    notice_all(&notices);
+    let verdict = match notices.len() {
         0 => "good".to_owned(),
         count => format!("can be read; see the {} above", counted(count, "notice")),
     };
     say(&format!("{}: {verdict}", args.campaign.display()));
     if args.json {
-        output::print(&json::text(&campaign))?;
+        output::print(&json::text(&campaign, &notices))?;
     }
     Ok(Exit::Good)
+}
+
+/// Verifications whose positions are those of encoders, as notices.
+pub(crate) fn read_out(campaign: &Campaign) -> Vec<String> {
+    let all = campaign.verification.iter();
+    let read_out = all.filter(|verification| positions_are_read_out(verification));
+    read_out
+        .map(|verification| format!("{}: {GIVE_COMMANDED}", verification.name))
+        .collect()
 }
 
 fn describe(campaign: &Campaign) {

@@ -16,7 +16,7 @@ use trueaxis_report::Error as Report;
 use trueaxis_simulate::{Error as Simulate, Problem as SimulateProblem};
 
 use crate::effects_input::EffectsInputError;
-use crate::export::NoOldTables;
+use crate::export::{NoOldTables, OntoItself};
 use crate::given_file::Unreadable;
 use crate::output::OutputError;
 
@@ -47,6 +47,7 @@ pub(crate) fn of(error: &anyhow::Error) -> Option<&'static str> {
             .or_else(|| cause.is::<OtherMachine>().then_some("E503"))
             .or_else(|| cause.is::<OtherReferencePoint>().then_some("E509"))
             .or_else(|| cause.is::<NoOldTables>().then_some("E609"))
+            .or_else(|| cause.is::<OntoItself>().then_some("E609"))
     })
 }
 

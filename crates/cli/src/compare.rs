@@ -9,6 +9,7 @@ use trueaxis_predict::{CalibratedMachine, Difference, check_same_machine, positi
 
 use crate::args::CompareArgs;
 use crate::exit::Exit;
+use crate::other_machine::placed;
 use crate::predict::source;
 use crate::talk::{notice, say, say_all};
 use crate::traceability::{of_calibration, traced};
@@ -19,7 +20,8 @@ const DECIMALS: i32 = 4;
 pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
     let first = CalibratedMachine::read(&args.first)?;
     let second = CalibratedMachine::read(&args.second)?;
-    check_same_machine(first.machine(), second.machine())?;
+    check_same_machine(first.machine(), second.machine())
+        .map_err(|error| placed(error, &args.first, &args.second))?;
     let differences = first.compare(&second)?;
     let mut inputs = of_calibration(&args.first, &first)?;
     inputs.extend(of_calibration(&args.second, &second)?);

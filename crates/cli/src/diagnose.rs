@@ -6,7 +6,6 @@ mod in_words;
 mod layout;
 mod story;
 
-use anyhow::Context;
 use trueaxis_campaign::{Campaign, checksums, read};
 use trueaxis_compensate::{uncompensated, verify};
 use trueaxis_diagnose::{Diagnosis, Settings, diagnose, diagnose_against};
@@ -15,6 +14,7 @@ use trueaxis_simulate::replay;
 
 use crate::args::DiagnoseArgs;
 use crate::exit::Exit;
+use crate::other_machine::placed;
 use crate::talk::{notice_all, say_all};
 use crate::traceability::{of_calibration, traced};
 use crate::verify::mistaken;
@@ -27,7 +27,6 @@ const REPLAY: &str = "replay.json";
 
 pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
     let campaign = read(&args.campaign)?;
-    let in_file = || args.campaign.display().to_string();
     let mut inputs = checksums(&args.campaign)?;
     let mut mistakes = Vec::new();
     let diagnosis = match &args.calibration {
@@ -42,14 +41,16 @@ pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
             let settings = Settings::default();
             match args.compensated {
                 true => {
-                    let without = uncompensated(&calibration, &campaign).with_context(in_file)?;
+                    let without = uncompensated(&calibration, &campaign)
+                        .map_err(|error| placed(error, path, &args.campaign))?;
                     diagnose_against(&without, &calibration, &settings)
                 }
                 false => diagnose_against(&campaign, &calibration, &settings),
             }
         }
     };
-    let diagnosis = diagnosis.with_context(in_file)?;
+    let calibration = args.calibration.as_deref().unwrap_or(&args.campaign);
+    let diagnosis = diagnosis.map_err(|error| placed(error, calibration, &args.campaign))?;
     let text = traced(serde_json::from_str(&diagnosis.to_json())?, &inputs, None)?;
     let mut notices: Vec<String> = campaign.notices.clone();
     notices.extend(mistakes);

@@ -89,6 +89,13 @@ pub(crate) fn read(path: &Path, scene: &Scene, campaign: &str) -> anyhow::Result
             file.campaign
         ));
     }
+    let is_kept = |effect: &GivenEffect| effect.effect.ends_with("backlash");
+    if file.effects.iter().any(is_kept) {
+        notices.push(format!(
+            "{}: lost motion is taken out, but the machine keeps it: for what it does in use calibrate without it, --by-direction",
+            path.display()
+        ));
+    }
     if exact {
         notices.push(format!(
             "{}: the effects have no uncertainties and are taken as exact",
@@ -133,26 +140,15 @@ fn of_diagnosis(
     let of_lengths = causes.filter(|cause| cause.level == "lengths");
     let (causes, in_part): (Vec<CauseFile>, Vec<CauseFile>) =
         of_lengths.partition(|cause| cause.parameters.iter().all(|p| p.u.is_some()));
-    let size = causes.iter().map(|cause| cause.covariance.len()).sum();
-    let mut covariance = vec![vec![0.0; size]; size];
-    let mut first = 0;
-    for cause in &causes {
-        for (row, values) in cause.covariance.iter().enumerate() {
-            let width = values.len().min(cause.covariance.len());
-            covariance[first + row][first..first + width].copy_from_slice(&values[..width]);
-        }
-        first += cause.covariance.len();
-    }
-    let effects = causes.into_iter().map(|cause| GivenEffect {
-        effect: cause.effect,
-        subject: cause.subject,
-        parameters: cause.parameters,
+    let effects = causes.into_iter().map(|cause| {
+        let given = GivenEffect {
+            effect: cause.effect,
+            subject: cause.subject,
+            parameters: cause.parameters,
+        };
+        (given, cause.covariance)
     });
-    let file = EffectsFile {
-        campaign: diagnosis.campaign,
-        effects: effects.collect(),
-        covariance: Some(covariance),
-    };
+    let file = EffectsFile::of_independent(diagnosis.campaign, effects);
     let name = |cause: CauseFile| format!("{} ({})", cause.effect, cause.subject.describe());
     Ok((file, in_part.into_iter().map(name).collect()))
 }

@@ -34,6 +34,14 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
         onto: &old,
     };
     let folder = args.onto.as_deref().map_or(Path::new(""), folder_of);
+    let mut results = Results::new(args.out.as_deref(), &machine.campaign)?;
+    // A second run would add the tables to themselves.
+    if args.onto.is_some() && are_one(folder, &results.folder) {
+        return Err(OntoItself {
+            folder: folder.to_owned(),
+        }
+        .into());
+    }
     let tables = export(&request).map_err(|error| in_folder(error, folder))?;
     say_all(source(&machine));
     say_all(announced(&machine, &tables.announcement));
@@ -56,18 +64,30 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
         notice("right only if the control's own correction was off while the machine was measured");
     }
     let (before, after) = (&tables.announcement.before, &tables.announcement.after);
-    if after.rms_mm > before.rms_mm {
+    if after.rms_mm > before.rms_mm || after.max_mm > before.max_mm {
         notice(
-            "with these tables the volumetric error is larger: errors that they leave, as those of rotary axes, partly cancelled \
+            "with these tables the volumetric error, rms or largest, is larger: errors that they leave, as those of rotary axes, partly cancelled \
              those that they take away; take a format that holds all (isg, etalon), or the tables of single axes (--axis)",
         );
     }
-    let mut results = Results::new(args.out.as_deref(), &machine.campaign)?;
     for file in &tables.files {
         results.write(&file.name, file.text.as_bytes())?;
     }
     results.end(None)?;
     Ok(Exit::Good)
+}
+
+/// Whether two paths lead to the same folder.
+fn are_one(a: &Path, b: &Path) -> bool {
+    let [a, b] = [a, b].map(std::fs::canonicalize);
+    matches!((a, b), (Ok(a), Ok(b)) if a == b)
+}
+
+/// The old tables would be overwritten by what was added to them.
+#[derive(Debug, thiserror::Error)]
+#[error("the new tables would take the place of the old ones in {}, and a second run would add to them again; give another --out", folder.display())]
+pub(crate) struct OntoItself {
+    folder: PathBuf,
 }
 
 /// A folder without old tables.

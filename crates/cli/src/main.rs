@@ -21,6 +21,7 @@ mod import;
 mod init;
 mod montecarlo;
 mod montecarlo_file;
+mod other_machine;
 mod output;
 mod predict;
 mod progress;

@@ -11,7 +11,7 @@ use crate::talk::say;
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum OutputError {
     #[error(
-        "{} cannot be written{}; choose another place, as with --out",
+        "{} cannot be written{}",
         path.display(),
         in_the_way(source)
     )]
@@ -33,10 +33,13 @@ impl OutputError {
 }
 
 fn in_the_way(error: &io::Error) -> &'static str {
-    use io::ErrorKind::{AlreadyExists, NotADirectory};
+    use io::ErrorKind::{AlreadyExists, NotADirectory, QuotaExceeded, StorageFull};
     match error.kind() {
-        AlreadyExists | NotADirectory => ": a file is in the way of a folder",
-        _ => "",
+        StorageFull | QuotaExceeded => ": free space there, or choose another place",
+        AlreadyExists | NotADirectory => {
+            ": a file is in the way of a folder; choose another place, as with --out"
+        }
+        _ => "; choose another place, as with --out",
     }
 }
 

@@ -1,6 +1,5 @@
 //! `trueaxis verify`.
 
-use anyhow::Context;
 use trueaxis_campaign::{VerificationKind, checksums};
 use trueaxis_compensate::{
     Circular, EXPECTED_ABOVE_ONE, ParallelLines, Point, Positioning, Verified, parallel_lines,
@@ -11,7 +10,9 @@ use trueaxis_kinematics::ARCSEC;
 use trueaxis_predict::CalibratedMachine;
 
 use crate::args::VerifyArgs;
+use crate::check::read_out;
 use crate::exit::Exit;
+use crate::other_machine::placed;
 use crate::predict::source;
 use crate::summary::probability;
 use crate::talk::{notice_all, say_all};
@@ -20,8 +21,8 @@ use crate::traceability::{of_calibration, traced};
 pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     let machine = CalibratedMachine::read(&args.calibration)?;
     let campaign = trueaxis_campaign::read(&args.campaign)?;
-    let in_file = || args.campaign.display().to_string();
-    let verified = verify(&machine, &campaign, args.compensated).with_context(in_file)?;
+    let verified = verify(&machine, &campaign, args.compensated);
+    let verified = verified.map_err(|error| placed(error, &args.calibration, &args.campaign))?;
     let parallel = parallel_lines(&machine, &verified, args.compensated);
     let document = verification_json(
         &machine,
@@ -44,6 +45,7 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     say_all(verified.iter().flat_map(of_entry));
     say_all(parallel.iter().flat_map(|found| angles(&machine, found)));
     notice_all(&campaign.notices);
+    notice_all(read_out(&campaign));
     notice_all(mistaken(&verified, args.compensated));
     results.end(args.result.json.then_some(&text))?;
     let is_rejected = verified.iter().any(Verified::is_misfit);
@@ -88,6 +90,13 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
         range(|p| p.predicted_um),
         range(|p| p.compensated_um),
     ));
+    let [without, with] = [range(|p| p.predicted_um), range(|p| p.compensated_um)];
+    if with > without {
+        lines.push(
+            "                       compensation corrects the tool against the workpiece; seen from where this reads, the axis then moves more"
+                .to_owned(),
+        );
+    }
     let squares = entry.points.iter().map(|point| {
         let predicted = if is_compensated {
             point.compensated_um

@@ -22,6 +22,7 @@ mod point_checks;
 use nalgebra::{DMatrix, DVector, Point3};
 use trueaxis_campaign::{Campaign, Direction, Verification, VerificationKind};
 use trueaxis_kinematics::{AxisKind, Ideal, MICROMETRE, Machine};
+use trueaxis_leastsquares::last_digit;
 use trueaxis_predict::{
     CalibratedMachine, MeasuredPoint, ball_bar_set_up, carrier, check_same_machine,
     measured_home_mm, positioning_lines, predicted_reading_um,
@@ -146,7 +147,8 @@ pub fn uncompensated(machine: &CalibratedMachine, campaign: &Campaign) -> Result
     check_same_machine(machine.machine(), &campaign.machine)?;
     let mut without = campaign.clone();
     for verification in &mut without.verification {
-        let digit_um = last_digit_um(verification);
+        let values_um = verification.readings.iter().map(|reading| reading.value_um);
+        let digit_um = last_digit(values_um).map_or(FINEST_UM, |digit| digit.max(FINEST_UM));
         for reading in &mut verification.readings {
             let (at, from) = (&reading.positions, reading.direction);
             let [predicted_um, compensated_um] =
@@ -157,17 +159,7 @@ pub fn uncompensated(machine: &CalibratedMachine, campaign: &Campaign) -> Result
     Ok(without)
 }
 
-/// The smallest difference of two readings, µm; a nanometre if that is less, or if there is none.
-fn last_digit_um(verification: &Verification) -> f64 {
-    let values = verification.readings.iter().map(|reading| reading.value_um);
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    let gaps = values.windows(2).map(|pair| pair[1] - pair[0]);
-    let gaps = gaps.filter(|gap| *gap > FINEST_UM);
-    gaps.min_by(f64::total_cmp).unwrap_or(FINEST_UM)
-}
-
-/// No instrument shows less, µm.
+/// The last digit of readings is taken for no less, µm: no instrument shows more.
 const FINEST_UM: f64 = 1e-3;
 
 /// What is predicted to be read at commanded positions, without compensation and with every command corrected, µm.

@@ -107,6 +107,11 @@ pub struct Follows<'a> {
 }
 
 impl Cause {
+    /// Whether the data determine all its parameters. What is seen in part only cannot be taken out of them.
+    pub fn is_seen_whole(&self) -> bool {
+        self.parameters.iter().all(|p| p.u.is_finite())
+    }
+
     /// Its rivals of the catalogue.
     pub fn rival_effects(&self) -> impl Iterator<Item = &ResolvedEffect> {
         self.rivals.iter().filter_map(|rival| match rival {

@@ -208,10 +208,9 @@ fn with_lengths(
     settings: &Settings,
 ) -> Result<Option<Campaign>, Error> {
     let mut without = None;
-    let is_whole = |cause: &Cause| cause.parameters.iter().all(|p| p.u.is_finite());
     for entry in &mut said.entries {
         let causes = &mut entry.causes;
-        if causes.iter().any(|cause| !is_whole(cause)) {
+        if !causes.iter().all(Cause::is_seen_whole) {
             diagnosis.notices.push(
                 "a cause is seen in part only: the data do not say what it changes in the calibration, and it \
                  is not in effects.json"
@@ -377,15 +376,9 @@ fn calibrated<'a>(
     let found =
         ways.find_map(|(way, how)| Some((calibrate_with_adjustment(campaign, &way).ok()?, how)));
     let Some((calibrated, how)) = found else {
-        return Err(Error::Calibrate(refused));
+        return Err(Error::Calibrate(refused.of_a_diagnosis()));
     };
-    // What the error advises further is a matter of `calibrate`.
-    let text = refused.to_string();
-    let why = text
-        .split("; `trueaxis diagnose`")
-        .next()
-        .unwrap_or_default();
-    let notice = format!("{how}: {why}");
+    let notice = format!("{how}: {}", refused.what());
     if !notices.contains(&notice) {
         notices.push(notice);
     }

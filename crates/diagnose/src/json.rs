@@ -48,25 +48,10 @@ impl Diagnosis {
     /// The causes found in the lengths whose parameters are all seen, with the covariance of their parameters (block by block: causes
     /// among each other are taken as independent), for `simulate` and `calibrate --with-effects`.
     pub fn effects_file(&self) -> EffectsFile {
-        // What is seen in part only cannot be taken out of the lengths.
-        let whole =
-            |c: &&Cause| c.level == Level::Lengths && c.parameters.iter().all(|p| p.u.is_finite());
-        let causes = || self.causes.iter().filter(whole);
-        let size = causes().map(|cause| cause.effect.parameters.len()).sum();
-        let mut covariance = vec![vec![0.0; size]; size];
-        let mut first = 0;
-        for cause in causes() {
-            let count = cause.effect.parameters.len();
-            for (k, value) in cause.covariance.iter().enumerate() {
-                covariance[first + k / count][first + k % count] = *value;
-            }
-            first += count;
-        }
-        EffectsFile {
-            campaign: self.campaign.clone(),
-            effects: causes().map(|c| cause::given(c, &self.scene)).collect(),
-            covariance: Some(covariance),
-        }
+        let whole = |c: &&Cause| c.level == Level::Lengths && c.is_seen_whole();
+        let causes = self.causes.iter().filter(whole);
+        let causes = causes.map(|c| (cause::given(c, &self.scene), cause::covariance(c)));
+        EffectsFile::of_independent(self.campaign.clone(), causes)
     }
 }
 

@@ -11,6 +11,7 @@
 //!   model; the parameters of the causes follow by block elimination until both converge.
 //! - [`measured`]: what the search for causes ([`crate::engine`]) asks of them.
 //! - [`beside`]: what wanders in a course that nobody knows joins the covariance.
+//! - [`grown`]: what scales all lengths of a station is a machine that was larger then, too.
 //! - [`omnibus`]: whether anything is left at all, and what it varies with ([`unexplained`]).
 //! - [`left_out`]: gross errors leave before the search, and come back if the causes explain them.
 //! - [`named`]: which of the causes explain enough of what is there.
@@ -20,6 +21,7 @@ mod adjusted;
 mod base;
 mod beside;
 mod fitted;
+mod grown;
 mod held_out;
 mod left_out;
 mod measured;

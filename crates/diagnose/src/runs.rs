@@ -164,8 +164,7 @@ fn compared(
     });
     let causes: Vec<Cause> = causes.collect();
     let effects: Vec<ResolvedEffect> = causes.iter().map(|c| c.effect.clone()).collect();
-    // What is seen in part only cannot be taken out.
-    let is_whole = judged.iter().all(|j| j.fit.seen.iter().all(|&seen| seen));
+    let is_whole = causes.iter().all(Cause::is_seen_whole);
     let corrected = (!effects.is_empty() && is_whole).then(|| {
         let effects_mm = on_lengths.of(&effects);
         on_lengths.taken_out(&effects_mm)

@@ -45,6 +45,7 @@ mod order;
 mod pauses;
 mod prediction_error;
 mod problem;
+mod read_again;
 mod report;
 mod resolution;
 mod search;
@@ -63,7 +64,7 @@ mod wandering;
 use trueaxis_campaign::{Campaign, Verification};
 use trueaxis_effects::Scene;
 use trueaxis_kinematics::{AxisKind, Machine};
-use trueaxis_predict::CalibratedMachine;
+use trueaxis_predict::{CalibratedMachine, GIVE_COMMANDED, are_read_out};
 
 use crate::components::diagnose_line_curve;
 use crate::said::Said;
@@ -82,6 +83,7 @@ use crate::verification::omnibus::differs_by_cycle;
 use crate::verification::order::{put_in_order, takes_turns};
 use crate::verification::prediction_error::prediction_directions;
 use crate::verification::problem::{Given, Problem};
+use crate::verification::read_again::read_again;
 use crate::verification::resolution::{hidden_um, resolution_um};
 use crate::verification::series::Series;
 use crate::verification::stops::slips_within_stops;
@@ -130,6 +132,9 @@ pub(crate) fn diagnose_verification(
             outcome
                 .notices
                 .push(format!("{}: {said}", verification.name));
+        }
+        if calibration.is_none() {
+            outcome.notices.extend(read_again(&verification, &kept));
         }
         kept.push(verification);
     }
@@ -266,10 +271,10 @@ fn judged<'a>(
     // Without repeats the base model's misfit stands for the noise at first.
     let plain = posed(floor_um.unwrap_or(1.0));
     if plain.listed.base.degrees_of_freedom < LEAST_DEGREES_OF_FREEDOM {
-        let what_to_do = match positions_are_read_out(comparison) {
-            true => {
-                "most positions are nearly alike, but not the same: give those commanded, not what encoders show"
-            }
+        let are_read_out =
+            comparison.line().is_some() && are_read_out(&comparison.positions(comparison.axis()));
+        let what_to_do = match are_read_out {
+            true => GIVE_COMMANDED,
             false => "repeat the cycle",
         };
         outcome.notices.push(format!(
@@ -315,20 +320,10 @@ fn judged<'a>(
     }
     let unseen = not_observable(&found.plain, asked.scene, name);
     // What the mean curve absorbs was looked for in the curve itself.
-    let in_curve = |id: &str| is_explained && ["scale_error", "cyclic_error"].contains(&id);
+    let in_curve = |id: &str| {
+        is_explained && ["scale_error", "cyclic_error", "encoder_eccentricity"].contains(&id)
+    };
     let unseen = unseen.into_iter().filter(|u| !in_curve(u.effect));
     outcome.not_observable.extend(unseen);
     Some(found)
-}
-
-/// Part of the widest step between neighbouring positions below which no step was commanded.
-const NO_STEP: f64 = 0.05;
-
-/// Whether most positions of a line differ by next to nothing from others, as those that encoders show.
-fn positions_are_read_out(comparison: &Comparison<'_>) -> bool {
-    let positions = comparison.positions(comparison.axis());
-    let steps = || positions.windows(2).map(|two| two[1] - two[0]);
-    let widest = steps().fold(0.0, f64::max);
-    comparison.line().is_some()
-        && 2 * steps().filter(|step| *step < NO_STEP * widest).count() > positions.len()
 }

@@ -48,6 +48,29 @@ impl EffectsFile {
         noun: "an effects file",
     };
 
+    /// Effects that are independent of each other, each with the covariance of its linear parameters.
+    pub fn of_independent(
+        campaign: String,
+        effects: impl IntoIterator<Item = (GivenEffect, Vec<Vec<f64>>)>,
+    ) -> Self {
+        let (effects, blocks): (Vec<GivenEffect>, Vec<Vec<Vec<f64>>>) = effects.into_iter().unzip();
+        let size = blocks.iter().map(Vec::len).sum();
+        let mut covariance = vec![vec![0.0; size]; size];
+        let mut first = 0;
+        for block in blocks {
+            for (row, values) in block.iter().enumerate() {
+                let width = values.len().min(block.len());
+                covariance[first + row][first..first + width].copy_from_slice(&values[..width]);
+            }
+            first += block.len();
+        }
+        Self {
+            campaign,
+            effects,
+            covariance: Some(covariance),
+        }
+    }
+
     /// The JSON Schema of the file.
     pub fn schema() -> String {
         Self::FORMAT.schema::<Document>()

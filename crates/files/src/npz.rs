@@ -1,7 +1,7 @@
 //! Named arrays in one file, as `numpy.savez` writes them: a ZIP archive of `.npy` files, not compressed.
 
 use std::collections::BTreeMap;
-use std::io::{self, Cursor, Read, Seek, Write};
+use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
 
 use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
@@ -37,18 +37,57 @@ pub trait WriteSeek: Write + Seek {}
 impl<W: Write + Seek> WriteSeek for W {}
 
 /// Writes a `.npz` file array by array: always the same bytes for the same arrays, without the time of day.
-pub struct NpzWriter<W: Write + Seek>(ZipWriter<W>);
+pub struct NpzWriter<W: Write + Seek>(ZipWriter<FirstError<W>>);
+
+/// Keeps the first error of a writer and takes everything after it: an archive that is dropped after an error tries to end itself, and
+/// would say on the terminal that it cannot.
+struct FirstError<W> {
+    out: W,
+    error: Option<io::Error>,
+}
+
+impl<W> FirstError<W> {
+    fn done<T>(&mut self, done: io::Result<T>, instead: T) -> T {
+        done.unwrap_or_else(|error| {
+            self.error.get_or_insert(error);
+            instead
+        })
+    }
+}
+
+impl<W: Write> Write for FirstError<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.error.is_some() {
+            return Ok(bytes.len());
+        }
+        let done = self.out.write(bytes);
+        Ok(self.done(done, bytes.len()))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let done = self.out.flush();
+        self.done(done, ());
+        Ok(())
+    }
+}
+
+impl<W: Seek> Seek for FirstError<W> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let done = self.out.seek(to);
+        Ok(self.done(done, 0))
+    }
+}
 
 impl<W: Write + Seek> NpzWriter<W> {
     /// To `out`, from where that stands.
     pub fn new(out: W) -> Self {
-        Self(ZipWriter::new(out))
+        Self(ZipWriter::new(FirstError { out, error: None }))
     }
 
     /// Writes an array, `data` in C order (the last index runs fastest), as the elements come.
     ///
     /// # Errors
-    /// Those of `out`; if there is an array with this name already.
+    /// If there is an array with this name already; those of `out` come at the end.
     ///
     /// # Panics
     /// If `data` does not have as many elements as `shape` says, or `shape` more than 32 dimensions.
@@ -72,7 +111,12 @@ impl<W: Write + Seek> NpzWriter<W> {
     /// # Errors
     /// Those of `out`.
     pub fn finish(self) -> io::Result<W> {
-        Ok(self.0.finish()?)
+        let mut out = self.0.finish()?;
+        out.flush()?;
+        match out.error {
+            Some(error) => Err(error),
+            None => Ok(out.out),
+        }
     }
 }
 
@@ -122,5 +166,43 @@ mod tests {
         let bytes = archive.finish().unwrap().into_inner();
         let text = from_npz(&bytes).unwrap_err().to_string();
         assert!(text.contains("array `a`"), "{text}");
+    }
+
+    /// A disk with this much room.
+    struct Full(Cursor<Vec<u8>>, usize);
+
+    impl Write for Full {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            if self.0.get_ref().len() + bytes.len() > self.1 {
+                return Err(io::ErrorKind::StorageFull.into());
+            }
+            self.0.write(bytes)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Seek for Full {
+        fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+            self.0.seek(to)
+        }
+    }
+
+    #[test]
+    fn a_full_disk_is_an_error_at_the_end() {
+        for (room, fits) in [(1 << 20, true), (4000, false)] {
+            let mut npz = NpzWriter::new(Full(Cursor::new(Vec::new()), room));
+            npz.array("a", &[1000], (0..1000).map(f64::from)).unwrap();
+            let end = npz.finish();
+            let kind = end.map_err(|error| error.kind()).map(drop);
+            let expected = if fits {
+                Ok(())
+            } else {
+                Err(io::ErrorKind::StorageFull)
+            };
+            assert_eq!(kind, expected);
+        }
     }
 }

@@ -92,6 +92,14 @@ pub enum Error {
 }
 
 impl Error {
+    /// What is wrong, without what to do about it.
+    pub fn what(&self) -> String {
+        match self {
+            Self::NotIdentifiable { what, .. } | Self::NotTrustworthy { what, .. } => what.clone(),
+            other => other.to_string(),
+        }
+    }
+
     pub(crate) fn not_identifiable(what: impl Into<String>, hint: impl Into<String>) -> Self {
         Self::NotIdentifiable {
             what: what.into(),

@@ -41,6 +41,7 @@
 mod error;
 mod lengths;
 mod measure;
+mod missing;
 mod points;
 mod poses;
 mod report;
@@ -57,6 +58,7 @@ pub use lengths::{
     temperature_histories,
 };
 pub use measure::{MeasuredPoses, NoiseByEquations, measure};
+pub use missing::missing;
 pub use poses::{PoseNoise, PoseObservation, Poses, TargetBody, ThroughSources, turned_about};
 pub use report::{
     AdjustmentReport, InterruptedOccupation, KnownMisfit, NoiseReport, PartReport, RejectedLength,

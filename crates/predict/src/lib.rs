@@ -43,6 +43,7 @@ mod interpolation;
 mod output;
 mod pivoted_cholesky;
 mod predict;
+mod read_out;
 mod readings;
 mod remainder;
 mod same_machine;
@@ -60,6 +61,7 @@ pub use interpolation::{Node, weights_at};
 pub use output::{Output, OutputCovariance, Unit, position_in_file, positions_in_file};
 pub use pivoted_cholesky::pivoted_cholesky;
 pub use predict::Prediction;
+pub use read_out::{GIVE_COMMANDED, are_read_out, positions_are_read_out};
 pub use readings::{
     MeasuredPoint, ball_bar_set_up, carrier, measured_home_mm, positioning_lines,
     predicted_reading_um,

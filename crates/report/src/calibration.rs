@@ -17,6 +17,15 @@ pub(crate) struct Calibration {
     pub(crate) location_errors: Map<String, Value>,
     pub(crate) relative_locations: Vec<Relative>,
     pub(crate) misfits: Vec<Contradiction>,
+    pub(crate) effects_taken_out: Vec<TakenOut>,
+}
+
+/// An effect that was taken out of the lengths first.
+#[derive(Debug, Deserialize)]
+pub(crate) struct TakenOut {
+    pub(crate) effect: String,
+    #[serde(default)]
+    pub(crate) subject: Map<String, Value>,
 }
 
 /// What contradicts the rest.

@@ -68,6 +68,15 @@ impl Verdict {
             };
         }
         let mut reasons = contradictions;
+        if let Some(taken_out) = calibration.and_then(taken_out) {
+            if level == "good" {
+                (level, sentence) = (
+                    "care",
+                    "The residuals agree with the model once effects are taken out: the machine is described as it would be without them.",
+                );
+            }
+            reasons.push(taken_out);
+        }
         reasons.extend(diagnosed.map(|(_, said)| said));
         let verified = verification.and_then(Verification::is_misfit);
         if verified == Some(true) {
@@ -98,6 +107,22 @@ impl Verdict {
 
 fn is_unchecked(calibration: &Calibration) -> bool {
     calibration.adjustment.degrees_of_freedom == 0
+}
+
+/// What was taken out of the lengths; lost motion stays in the machine all the same.
+fn taken_out(calibration: &Calibration) -> Option<String> {
+    let all = &calibration.effects_taken_out;
+    let names: Vec<String> = all
+        .iter()
+        .map(|own| words::effect(&own.effect, &own.subject))
+        .collect();
+    let kept = match all.iter().any(|own| own.effect.ends_with("backlash")) {
+        true => {
+            ". The machine keeps its lost motion: for what it does in use, calibrate without it, --by-direction"
+        }
+        false => "",
+    };
+    (!names.is_empty()).then(|| format!("Taken out of the lengths: {}{kept}.", names.join("; ")))
 }
 
 /// That the residuals reject the declared noise.

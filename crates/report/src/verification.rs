@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::numbers::{COVERAGE, decimals, fixed, signed};
+use crate::numbers::{COVERAGE, decimals, fixed, p_value, signed};
 use crate::page::Figure;
 use crate::svg::plot::{Frame, Plot};
 use crate::svg::ticks::{Scale, range};
@@ -57,6 +57,7 @@ struct Point {
 struct Agreement {
     count: usize,
     above_one: usize,
+    p_value: Option<f64>,
     misfit: bool,
 }
 
@@ -113,10 +114,12 @@ impl VerificationSection {
                 figure: figure(k, entry, &verification.rotary_axes),
                 agreement: entry.e_n.as_ref().map(|e_n| {
                     format!(
-                        "{} of {} normalised errors Eₙ are above 1, {} expected",
+                        "{} of {} normalised errors Eₙ are above 1, {} expected{}",
                         e_n.above_one,
                         e_n.count,
-                        fixed(verification.expected_above_one * e_n.count as f64, 1)
+                        fixed(verification.expected_above_one * e_n.count as f64, 1),
+                        e_n.p_value
+                            .map_or_else(String::new, |p| format!(", {}", p_value(p)))
                     )
                 }),
                 is_misfit: entry.e_n.as_ref().is_some_and(|e_n| e_n.misfit),

@@ -12,6 +12,15 @@ pub const MOST_REMOVED: f64 = 0.05;
 /// Share of the readings of one station, of one group, or of any other part that may be removed.
 pub const MOST_OF_A_PART: f64 = 1.0 / 3.0;
 
+/// So many removals of one target from one station, and more than half of all, are no accident: there are at least twelve such
+/// pairs.
+const FEW: usize = 10;
+
+/// Whether `part` removals, all of one target from one station, are too many of `all` to be accidents.
+pub fn is_concentrated(part: usize, all: usize) -> bool {
+    part >= FEW && 2 * part > all
+}
+
 /// A reading of which the residuals keep less than this part is not checked by the others.
 const CHECKED: f64 = 0.02;
 

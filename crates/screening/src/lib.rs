@@ -47,10 +47,12 @@ mod screen;
 mod screened;
 mod search;
 mod step_tests;
+mod uneven;
 
 pub use error::{Error, Part};
 pub use estimate_noise::{NoiseBasis, NoiseEstimate, PartEstimate, estimate_noise};
-pub use guard::{MOST_OF_A_PART, MOST_REMOVED};
+pub use guard::{MOST_OF_A_PART, MOST_REMOVED, is_concentrated};
 pub use reliability::Reliability;
 pub use screen::{screen, screen_within};
 pub use screened::{Jump, Removed, Screened, WanderingZero};
+pub use uneven::{factors_of_readings, station_factors, uneven_stations};

@@ -11,6 +11,7 @@ mod coupled_axes;
 mod coverage;
 mod declared;
 mod diagnosis;
+mod differing_stations;
 mod expansion;
 mod first_order;
 mod gross_errors;

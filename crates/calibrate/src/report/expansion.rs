@@ -19,6 +19,9 @@ use trueaxis_predict::Output;
 /// The reference temperature of ISO 1, °C.
 const REFERENCE_C: f64 = 20.0;
 
+/// Few halls are farther from it, K.
+const FAR_K: f64 = 15.0;
+
 /// µm per m.
 const PPM: f64 = 1e-6;
 
@@ -34,7 +37,18 @@ pub(crate) fn refer_to_20_degrees(campaign: &Campaign, calibration: &mut Calibra
         let Some(expansion) = expansion else { continue };
         let name = &calibration.axes[k].name;
         match (expansion.lengths_hold_at_c, is_logged(lengths, expansion)) {
-            (Some(_), _) => refer(campaign, calibration, k, expansion),
+            (Some(at_c), _) => {
+                let since_k = at_c - REFERENCE_C;
+                notices.extend((since_k.abs() > FAR_K).then(|| {
+                    format!(
+                        "axis {name}: at {at_c:.1} °C by `{}`, and {:+.0} ppm were taken out for that: see whether the column is in °C, \
+                         and filled",
+                        expansion.temperature_column,
+                        expansion.ppm_per_k * since_k
+                    )
+                }));
+                refer(campaign, calibration, k, expansion);
+            }
             (None, true) => notices.push(format!(
                 "axis {name}: its lengths could not be corrected for their temperatures, so its errors are not referred to 20 °C"
             )),

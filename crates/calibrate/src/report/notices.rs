@@ -30,6 +30,7 @@ pub(crate) fn notices(
         .collect();
     notices.extend(axes.iter().filter_map(contradicting_runs));
     notices.extend(unmeasured_axes(campaign, axes));
+    notices.extend(axes.iter().filter_map(without_straightness));
     notices.extend(homes_out_of_reach(campaign, axes));
     notices.extend(targets_elsewhere(campaign, &calibration.targets));
     notices.extend(axes.iter().flat_map(absurd_errors));
@@ -115,6 +116,17 @@ fn unmeasured_axes(campaign: &Campaign, measured: &[AxisResult]) -> Option<Strin
             "no run measures {}: taken as free of errors ({} components unknown)",
             names.join(", "),
             names.len() * Component::ALL.len()
+        )
+    })
+}
+
+/// Two positions are where their mean line says.
+fn without_straightness(axis: &AxisResult) -> Option<String> {
+    (axis.nodes.len() == 2).then(|| {
+        format!(
+            "axis {}: measured at two positions: the line through them is its axis, so that its straightness is zero, with U zero, by \
+             definition and not by measurement; measure more positions",
+            axis.name
         )
     })
 }

@@ -5,7 +5,7 @@ use trueaxis_campaign::{Campaign, Hole};
 use trueaxis_files::value_to_json;
 
 /// The text of the document.
-pub(super) fn text(campaign: &Campaign) -> String {
+pub(super) fn text(campaign: &Campaign, notices: &[String]) -> String {
     let (readings, stops) = match (&campaign.lengths, &campaign.points) {
         (Some(lengths), _) => (lengths.readings.len(), lengths.stops.len()),
         (None, Some(points)) => (points.readings.len(), points.stops.len()),
@@ -18,7 +18,7 @@ pub(super) fn text(campaign: &Campaign) -> String {
         "readings": readings,
         "stops": stops,
         "coverage": entries(campaign),
-        "notices": campaign.notices,
+        "notices": notices,
     });
     value_to_json(&document)
 }

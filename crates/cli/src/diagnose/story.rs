@@ -202,7 +202,7 @@ fn off(level: &LevelReport) -> Vec<String> {
         Some(_) => "repeats scatter by",
     };
     let mut text = format!(
-        "predicted to {} µm rms, {floor} {} µm",
+        "{} µm rms, {floor} {} µm",
         in_words::amount(level.before.rms_um, 2),
         in_words::amount(level.noise_floor_um, 2)
     );

@@ -117,3 +117,57 @@ fn a_wide_table_goes_on_below() {
     let counts = table.matches("57").count();
     assert_eq!(counts, 30, "{table}");
 }
+
+/// What can be read but not calibrated is said before the whole machine is measured like that.
+#[test]
+fn says_what_a_calibration_lacks() {
+    let mut files = CampaignFiles::shipped("fxyz");
+    files.keep(|row| {
+        let is_of_x = row.is(&[("run", "x")]);
+        let is_kept = row.is(&[("X", "0")]) || row.is(&[("X", "20")]);
+        !row.is(&[("station", "S4")])
+            && (!is_of_x || is_kept)
+            && !(row.is(&[("run", "y"), ("target", "K")]))
+    });
+    let folder = tempfile::tempdir().unwrap();
+    files.write(folder.path());
+    let outcome = run(folder.path(), &["check", "campaign.json"]);
+    outcome.assert_good();
+    for says in [
+        "lengths from 3 station(s): a calibration needs 4",
+        "run y: targets P, Q are fewer than three or on one line",
+        "axis X: measured at 2 position(s)",
+        "can be read; see the 3 notices above",
+    ] {
+        assert!(outcome.stderr.contains(says), "{says}: {}", outcome.stderr);
+    }
+}
+
+/// What encoders show is no command, and of it every reading is a position of its own.
+#[test]
+fn says_where_positions_are_those_of_encoders() {
+    let folder = tempfile::tempdir().unwrap();
+    for entry in std::fs::read_dir(shipped("fxyz-lines")).unwrap() {
+        let path = entry.unwrap().path();
+        std::fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
+    }
+    let outcome = run(folder.path(), &["check", "campaign.json"]);
+    assert!(!outcome.stderr.contains("encoders"), "{}", outcome.stderr);
+    let path = folder.path().join("verification_1.csv");
+    let table = std::fs::read_to_string(&path).unwrap();
+    let mut lines = table.lines();
+    let header = lines.next().unwrap();
+    let column = header.split(',').position(|name| name == "X").unwrap();
+    let shown = lines.enumerate().map(|(row, line)| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        let x: f64 = cells[column].parse().unwrap();
+        cells[column] = format!("{:.4}", x + 1e-4 * (row % 7) as f64);
+        cells.join(",")
+    });
+    let shown: Vec<String> = std::iter::once(header.to_owned()).chain(shown).collect();
+    std::fs::write(&path, shown.join("\n") + "\n").unwrap();
+    let outcome = run(folder.path(), &["check", "campaign.json"]);
+    outcome.assert_good();
+    let says = "LI along X: most positions are nearly alike, but not the same";
+    assert!(outcome.stderr.contains(says), "{}", outcome.stderr);
+}

@@ -149,7 +149,7 @@ fn tables_that_make_it_worse_say_so() {
     for (format, is_worse) in [("grid", true), ("isg", false)] {
         let outcome = export(&folder, format, &["--at", "0,0,100", "--out", "tables"]);
         outcome.assert_good();
-        let says = "with these tables the volumetric error is larger";
+        let says = "with these tables the volumetric error, rms or largest, is larger";
         assert_eq!(
             outcome.stderr.contains(says),
             is_worse,
@@ -237,4 +237,10 @@ fn old_tables_are_kept() {
     }
     let onto = ["--onto", "tables/grid.csv", "--out", "sum"];
     export(&folder, "grid", &onto).assert_good();
+    // A second run would add to its own sum.
+    let itself = ["--onto", "tables/grid.csv", "--out", "./tables"];
+    let before = contents(current);
+    let outcome = export(&folder, "grid", &itself);
+    outcome.assert_failed("onto itself", 3, "give another --out");
+    assert_eq!(contents(current), before);
 }

@@ -133,6 +133,13 @@ fn readings_of_another_sign_or_unit() {
     }
     let outcome = verify(prepared(2.0).path(), &[]);
     assert!(!outcome.stderr.contains("agree:"), "{}", outcome.stderr);
+    // Nothing but mm agrees with a compensated machine whatever was read.
+    let outcome = verify(prepared(1e-3).path(), &["--compensated"]);
+    assert!(
+        outcome.stderr.contains("are they in mm?"),
+        "{}",
+        outcome.stderr
+    );
 }
 
 #[test]

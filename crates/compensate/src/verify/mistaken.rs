@@ -42,43 +42,53 @@ impl Mistaken {
     }
 }
 
+/// Part of their declared standard uncertainty within which readings in µm never agree with anything.
+const FAR_BELOW: f64 = 0.01;
+
 impl Verified {
-    /// What would leave no more than a quarter of the differences, if anything does and they do not agree; `is_compensated` as in [`crate::verify()`].
+    /// What would leave no more than a quarter of the differences, if anything does; `is_compensated` as in [`crate::verify()`]. Readings
+    /// in mm are nothing beside what a compensated machine does, and agree with it: they are told by what they are a thousandth of.
     pub fn mistaken(&self, is_compensated: bool) -> Option<Mistaken> {
-        let agrees = self.p_value.is_some() && !self.is_misfit();
-        if agrees || self.points.len() < LEAST_POINTS {
+        if self.points.len() < LEAST_POINTS {
             return None;
         }
         let rms = |left: &dyn Fn(&Point) -> f64| {
             let squares: f64 = self.points.iter().map(|point| left(point).powi(2)).sum();
             (squares / self.points.len().max(1) as f64).sqrt()
         };
-        let compensated = |is_compensated: bool| {
-            move |point: &Point| match is_compensated {
-                true => point.compensated_um,
-                false => point.predicted_um,
-            }
+        let predicted = |point: &Point, is_compensated: bool| match is_compensated {
+            true => point.compensated_um,
+            false => point.predicted_um,
         };
-        let predicted = compensated(is_compensated);
-        let other = compensated(!is_compensated);
+        let is_explained = |factor: f64, is_compensated: bool| {
+            let left = rms(&|p| factor * p.reading_um - predicted(p, is_compensated));
+            // A thousandth of anything is next to nothing: it must be what is predicted, too.
+            left < LEFT * rms(&|p| predicted(p, is_compensated))
+        };
+        let own = rms(&|p| p.reading_um - predicted(p, is_compensated));
+        let declared = rms(&|p| p.u_reading_um.unwrap_or(0.0));
+        if own < FAR_BELOW * declared || is_explained(1e3, false) {
+            return Some(Mistaken::TooSmall);
+        }
+        if self.p_value.is_some() && !self.is_misfit() {
+            return None;
+        }
+        let explains = |factor: f64, is_compensated: bool| {
+            rms(&|p| factor * p.reading_um - predicted(p, is_compensated)) < LEFT * own
+        };
         let compensation = match is_compensated {
             true => Mistaken::WithoutCompensation,
             false => Mistaken::WithCompensation,
         };
-        let scaled = |factor: f64| rms(&|p| factor * p.reading_um - predicted(p));
-        let own = scaled(1.0);
         let all = [
-            (compensation, rms(&|p| p.reading_um - other(p))),
-            (Mistaken::Sign, scaled(-1.0)),
-            (Mistaken::TooLarge, scaled(1e-3)),
-            (Mistaken::TooSmall, scaled(1e3)),
+            (Mistaken::Sign, -1.0, is_compensated),
+            (Mistaken::TooLarge, 1e-3, is_compensated),
+            (Mistaken::TooSmall, 1e3, is_compensated),
+            (compensation, 1.0, !is_compensated),
         ];
-        // A thousandth of anything is next to nothing: it must be what is predicted, too.
-        let is_of_prediction = |(mistaken, left): &(Mistaken, f64)| {
-            *mistaken == compensation || *left < LEFT * rms(&|p| predicted(p))
-        };
-        let best = all.into_iter().filter(is_of_prediction);
-        let best = best.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        (best.1 < LEFT * own).then_some(best.0)
+        let found = all.into_iter().find(|&(mistaken, factor, with)| {
+            explains(factor, with) && (mistaken == compensation || is_explained(factor, with))
+        });
+        found.map(|(mistaken, ..)| mistaken)
     }
 }

@@ -139,23 +139,22 @@ impl Candidate<'_> {
     /// uncertainties considered.
     pub(super) fn is_possible(&self, model: &Projection, shape: f64) -> bool {
         let is_any = self.plausible.iter().all(Option::is_none);
-        let variance = model.squares() / model.degrees_of_freedom.max(1.0);
+        // In the noise that is left with it: without it most of what is left may be its own.
         let is_possible = |columns: &[Vec<f64>]| {
             let fit = Fit::new(model, columns);
+            let freedom = model.degrees_of_freedom - columns.len() as f64;
+            let variance = (model.squares() - fit.gained()).max(0.0) / freedom.max(1.0);
             fit.is_possible(&self.plausible, variance)
-                && self.has_possible_size(columns, &fit, model)
+                && self.has_possible_size(columns, &fit, variance)
         };
         is_any || is_possible(&self.columns(shape))
     }
 
-    /// Whether a size that changes from row to row may have a root mean square in the plausible range, in the noise that is left with it:
-    /// without it most of what is left is its own.
-    fn has_possible_size(&self, columns: &[Vec<f64>], fit: &Fit, model: &Projection) -> bool {
+    /// Whether a size that changes from row to row may have a root mean square in the plausible range.
+    fn has_possible_size(&self, columns: &[Vec<f64>], fit: &Fit, variance: f64) -> bool {
         let Some([_, most]) = self.plausible.first().copied().flatten() else {
             return true;
         };
-        let freedom = model.degrees_of_freedom - columns.len() as f64;
-        let variance = (model.squares() - fit.gained()).max(0.0) / freedom.max(1.0);
         let [size, u] = self.root_mean_square(columns, fit, variance);
         size - 3.0 * u <= most
     }

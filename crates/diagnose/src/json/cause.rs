@@ -155,7 +155,7 @@ impl<'a> CauseFile<'a> {
             parameters: cause.parameters.iter().map(estimated).collect(),
             curve: (!cause.curve.is_empty()).then(|| cause.curve.iter().map(point).collect()),
             mean_lost_motion: cause.mean_lost_motion.as_ref().map(estimated),
-            covariance: rows(&cause.covariance, cause.effect.parameters.len()),
+            covariance: covariance(cause),
             cannot_tell_apart_from: rivals.collect(),
             separate_by: explanation.separate_by,
             cause: explanation.cause,
@@ -194,9 +194,14 @@ pub(super) fn given(cause: &Cause, scene: &Scene) -> GivenEffect {
     given
 }
 
-fn rows(covariance: &[f64], count: usize) -> Vec<Vec<f64>> {
-    match count {
+/// The rows of its covariance.
+pub(super) fn covariance(cause: &Cause) -> Vec<Vec<f64>> {
+    match cause.effect.parameters.len() {
         0 => Vec::new(),
-        _ => covariance.chunks(count).map(<[f64]>::to_vec).collect(),
+        count => cause
+            .covariance
+            .chunks(count)
+            .map(<[f64]>::to_vec)
+            .collect(),
     }
 }

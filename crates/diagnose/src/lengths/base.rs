@@ -11,7 +11,7 @@ use trueaxis_poses::{
     CampaignNetwork, Group, LengthCircumstances as Reading, LengthsAdjustment, Method, Observation,
     length_circumstances, network_from_campaign, scene_of, temperature_histories,
 };
-use trueaxis_screening::estimate_noise;
+use trueaxis_screening::{Removed, estimate_noise, factors_of_readings, station_factors};
 
 use crate::Error;
 use crate::engine::disturbance::Disturbance;
@@ -35,6 +35,8 @@ pub(crate) struct Base<'a> {
     declared: bool,
     /// Readings that were left out as gross errors.
     pub(crate) left_out: Vec<LeftOut>,
+    /// Stations whose lengths scatter more than those of the others, and weigh less.
+    pub(crate) uneven: Vec<usize>,
     /// What wanders: in the covariance of the lengths.
     pub(crate) disturbances: Vec<Disturbance>,
     /// First and last time of all lengths, s.
@@ -59,12 +61,7 @@ impl<'a> Base<'a> {
         adjustment: Option<&LengthsAdjustment<'_>>,
     ) -> Result<Self, Error> {
         let all = network_from_campaign(campaign, lengths, false);
-        let removed = adjustment
-            .iter()
-            .flat_map(|adjustment| &adjustment.screened.removed);
-        let (removed, errors_mm): (Vec<usize>, Vec<f64>) = removed
-            .map(|removed| (removed.reading, removed.error_mm))
-            .unzip();
+        let removed = adjustment.map_or(&[][..], |adjustment| &adjustment.screened.removed);
         // With other groups it is no start.
         let same = |adjustment: &&LengthsAdjustment<'_>| {
             adjustment.method == Method::Joint && !adjustment.by_direction
@@ -72,11 +69,7 @@ impl<'a> Base<'a> {
         let near = adjustment
             .filter(same)
             .map(|adjustment| &*adjustment.screened.solution);
-        let mut base = Self::leaving_out(campaign, lengths, all, &removed, near)?;
-        for (left_out, error_mm) in base.left_out.iter_mut().zip(errors_mm) {
-            left_out.error_mm = error_mm;
-        }
-        Ok(base)
+        Self::leaving_out(campaign, lengths, all, removed, near)
     }
 
     /// Adjusts a campaign's lengths without causes and without the readings `removed` (ascending), from a
@@ -85,7 +78,7 @@ impl<'a> Base<'a> {
         campaign: &'a Campaign,
         lengths: &Lengths,
         all: CampaignNetwork,
-        removed: &[usize],
+        removed: &[Removed],
         near: Option<&Solution>,
     ) -> Result<Self, Error> {
         let settings = Settings::default();
@@ -93,8 +86,20 @@ impl<'a> Base<'a> {
             network, groups, ..
         } = all;
         let left_out = LeftOut::of(campaign, lengths, &network, &groups, removed);
-        let (mut network, kept) = network.without(removed);
-        let start = solve_as_a_set(&mut network, near, &settings)?;
+        let numbers: Vec<usize> = removed.iter().map(|removed| removed.reading).collect();
+        let (mut network, kept) = network.without(&numbers);
+        let mut start = solve_as_a_set(&mut network, near, &settings)?;
+        let declared = campaign.instrument.declares_noise();
+        let factors = station_factors(&network, &start, |network| {
+            let mut solution = solve_from(network, &start, &settings)?;
+            estimate_noise(network, &mut solution, declared, &settings)?;
+            Ok::<Solution, Error>(solution)
+        })?;
+        let uneven: Vec<usize> = (0..factors.len()).filter(|&j| factors[j] > 1.0).collect();
+        if !uneven.is_empty() {
+            network.variance_factors = factors_of_readings(&network, &[], &factors);
+            start = solve_from(&network, &start, &settings)?;
+        }
         let readings = length_circumstances(campaign, lengths, &network, &groups, &kept);
         let times = || readings.iter().map(|r| r.time_s);
         let span_s = [
@@ -109,7 +114,8 @@ impl<'a> Base<'a> {
             temperatures: temperature_histories(campaign),
             readings,
             start,
-            declared: campaign.instrument.declares_noise(),
+            declared,
+            uneven,
             left_out,
             network,
             groups,
@@ -376,6 +382,7 @@ impl<'a> Base<'a> {
             start,
             declared: self.declared,
             left_out: Vec::new(),
+            uneven: self.uneven.clone(),
             disturbances: self.disturbances.clone(),
             span_s: self.span_s,
         })

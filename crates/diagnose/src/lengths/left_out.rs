@@ -11,6 +11,7 @@ use trueaxis_effects::Shape;
 use trueaxis_leastsquares::median;
 use trueaxis_multilateration::Network;
 use trueaxis_poses::{Group, LengthCircumstances as Reading, length_circumstances};
+use trueaxis_screening::{Removed, is_concentrated};
 
 use crate::engine::Suspect;
 use crate::lengths::adjusted::Adjusted;
@@ -19,12 +20,10 @@ use crate::lengths::base::Base;
 /// A length that was left out.
 #[derive(Debug, Clone)]
 pub(crate) struct LeftOut {
-    /// Its number among the lengths of the campaign.
-    pub(crate) number: usize,
+    /// What the screening found; its reading is the number among the lengths of the campaign.
+    pub(crate) removed: Removed,
     /// Its line in the file.
     pub(crate) line: usize,
-    /// By how much it is off, mm, as the screening found it; 0 if nothing did.
-    pub(crate) error_mm: f64,
     reading: Reading,
     measured_mm: f64,
 }
@@ -33,21 +32,22 @@ pub(crate) struct LeftOut {
 const AGREES: f64 = 4.0;
 
 impl LeftOut {
-    /// The readings with the numbers `removed` (ascending).
+    /// The readings that were `removed` (ascending).
     pub(crate) fn of(
         campaign: &Campaign,
         lengths: &Lengths,
         network: &Network,
         groups: &[Group],
-        removed: &[usize],
+        removed: &[Removed],
     ) -> Vec<Self> {
-        let readings = length_circumstances(campaign, lengths, network, groups, removed);
-        let left_out = removed.iter().zip(readings).map(|(&number, reading)| Self {
-            number,
-            line: lengths.readings[number].line,
-            error_mm: 0.0,
+        let numbers: Vec<usize> = removed.iter().map(|removed| removed.reading).collect();
+        let readings = length_circumstances(campaign, lengths, network, groups, &numbers);
+        let left_out = removed.iter().zip(readings);
+        let left_out = left_out.map(|(&removed, reading)| Self {
+            removed,
+            line: lengths.readings[removed.reading].line,
             reading,
-            measured_mm: network.readings[number].length_mm,
+            measured_mm: network.readings[removed.reading].length_mm,
         });
         left_out.collect()
     }
@@ -86,36 +86,32 @@ impl LeftOut {
     }
 }
 
-/// Numbers of the readings in `all` that the causes of a model do not explain and that are no row, ascending; all that are no row if
-/// there are no causes.
+/// Those of `all` that the causes of a model do not explain and that are no row; all that are no row if there are no causes.
 pub(crate) fn still_left_out(
     all: &[LeftOut],
     base: &Base<'_>,
     lengths: &Lengths,
     adjusted: &Adjusted,
-) -> Vec<usize> {
+) -> Vec<Removed> {
     let is_gross = |l: &&LeftOut| adjusted.suspects.is_empty() || !l.is_explained(base, adjusted);
     alone(all.iter().filter(is_gross), lengths)
 }
 
-/// Numbers of those that are in no row, and not most of all to one target from one station.
+/// Those that are in no row, and not most of all to one target from one station.
 pub(crate) fn alone<'l>(
     all: impl IntoIterator<Item = &'l LeftOut>,
     lengths: &Lengths,
-) -> Vec<usize> {
+) -> Vec<Removed> {
     let all: Vec<&LeftOut> = all.into_iter().collect();
-    let mut numbers: Vec<usize> = all.iter().map(|left_out| left_out.number).collect();
+    let numbers: Vec<usize> = all.iter().map(|l| l.removed.reading).collect();
     let together = [in_a_row(&numbers, lengths), concentrated(&all)];
-    numbers.retain(|number| {
+    let is_alone = |l: &&&LeftOut| {
         together
             .iter()
-            .all(|some| some.binary_search(number).is_err())
-    });
-    numbers
+            .all(|some| !some.contains(&l.removed.reading))
+    };
+    all.iter().filter(is_alone).map(|l| l.removed).collect()
 }
-
-/// So many of one target from one station, and more than half of all, are no accident, as `calibrate` takes it.
-const MANY: usize = 10;
 
 /// What is that much more than the median of many was wrong besides.
 const FAR: f64 = 5.0;
@@ -128,13 +124,13 @@ fn concentrated(all: &[&LeftOut]) -> Vec<usize> {
         parts.entry(part).or_default().push(left_out);
     }
     let mut many = parts.into_values();
-    let many = many.find(|part| part.len() >= MANY && 2 * part.len() > all.len());
+    let many = many.find(|part| is_concentrated(part.len(), all.len()));
     let many = many.unwrap_or_default();
-    let size = |left_out: &&LeftOut| left_out.error_mm.abs();
+    let size = |left_out: &&LeftOut| left_out.removed.error_mm.abs();
     let median = median(&mut many.iter().map(size).collect::<Vec<f64>>());
     let most = median.map_or(0.0, |median| FAR * median);
     let of_them = many.iter().filter(|left_out| size(left_out) <= most);
-    of_them.map(|left_out| left_out.number).collect()
+    of_them.map(|left_out| left_out.removed.reading).collect()
 }
 
 /// Wrong lengths in a row that are no accidents, at least.

@@ -3,6 +3,7 @@
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::{Level, Subject};
 use trueaxis_poses::{LengthsAdjustment, network_from_campaign};
+use trueaxis_screening::Removed;
 
 use crate::engine::{
     Candidates, Found, HeldOut, Omnibus, Search, Suspect, Wanders, add_rival_disturbances, cause,
@@ -12,6 +13,7 @@ use crate::engine::{
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::fitted::fitted;
+use crate::lengths::grown::add_growth;
 use crate::lengths::held_out::{held_out_stations, held_out_sweeps};
 use crate::lengths::left_out::{alone, still_left_out};
 use crate::lengths::named::{Named, left_alone, named};
@@ -54,6 +56,7 @@ pub(crate) fn diagnose_lengths(
         &named.wandering,
         &mut named.found,
     )?;
+    add_growth(&named.base, &named.adjusted, &mut named.found)?;
     let Named {
         base,
         found,
@@ -162,7 +165,7 @@ fn looked_at<'a>(
     lengths: &'a Lengths,
 ) -> Result<(Base<'a>, Looked<'a>), Error> {
     let campaign = base.campaign;
-    let leaving_out = |base: &Base<'a>, gross: &[usize]| {
+    let leaving_out = |base: &Base<'a>, gross: &[Removed]| {
         let all = network_from_campaign(campaign, lengths, false);
         Base::leaving_out(campaign, lengths, all, gross, Some(&base.start))
     };
@@ -175,10 +178,8 @@ fn looked_at<'a>(
     }
     let mut searched = Searched::of(&base)?;
     // Asked before what wanders is looked for, which takes longest.
-    let are_other = |base: &Base<'a>, gross: &[usize]| {
-        !gross
-            .iter()
-            .eq(base.left_out.iter().map(|left_out| &left_out.number))
+    let are_other = |base: &Base<'a>, gross: &[Removed]| {
+        !gross.iter().eq(base.left_out.iter().map(|l| &l.removed))
     };
     let gross = still_left_out(&all, &base, lengths, &searched.search.adjusted);
     if are_other(&base, &gross) {
@@ -324,7 +325,7 @@ fn effects_mm(
     wandered_mm: &[f64],
 ) -> Vec<f64> {
     let mut effects_mm = vec![0.0; lengths.readings.len()];
-    let is_kept = |i: &usize| base.left_out.iter().all(|l| l.number != *i);
+    let is_kept = |i: &usize| base.left_out.iter().all(|l| l.removed.reading != *i);
     let kept = (0..lengths.readings.len()).filter(is_kept);
     for ((i, reading), wandered_mm) in kept.zip(&base.readings).zip(wandered_mm) {
         let of_causes_mm = base.effect_mm(reading, &adjusted.solution, &adjusted.suspects);
@@ -341,6 +342,13 @@ fn notices(base: &Base<'_>) -> Vec<String> {
             "{} length(s) contradict all others and were left out: line(s) {}",
             lines.len(),
             lines.join(", ")
+        ));
+    }
+    for &station in &base.uneven {
+        notices.push(format!(
+            "station {}: its lengths scatter more than those of the others and weigh less here: see whether the tripod stood firmly, and \
+             what passed through the beam",
+            base.scene.stations[station]
         ));
     }
     let times = || base.readings.iter().map(|r| r.time_s);

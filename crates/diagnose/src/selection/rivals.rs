@@ -62,14 +62,22 @@ impl Fit {
         }
     }
 
-    /// Whether the data allow values in their plausible ranges, three standard uncertainties considered; `variance` is
-    /// that of the observations.
+    /// Whether the data allow values in their plausible ranges, three standard uncertainties considered; of a value that is more than two
+    /// of them no more than half the range, or one that lies far outside would stand for its effect because it is poorly known.
+    /// `variance` is that of the observations.
     pub(crate) fn is_possible(&self, plausible: &[Option<[f64; 2]>], variance: f64) -> bool {
         let count = plausible.len();
         plausible.iter().enumerate().all(|(k, range)| {
-            let u = 3.0 * (self.covariance[k * count + k].max(0.0) * variance).sqrt();
+            let (value, u) = (
+                self.estimates[k],
+                (self.covariance[k * count + k].max(0.0) * variance).sqrt(),
+            );
             range.is_none_or(|[low, high]| {
-                self.estimates[k] - u <= high && self.estimates[k] + u >= low
+                let beyond = match value.abs() > 2.0 * u {
+                    true => (3.0 * u).min(0.5 * (high - low)),
+                    false => 3.0 * u,
+                };
+                value - beyond <= high && value + beyond >= low
             })
         })
     }

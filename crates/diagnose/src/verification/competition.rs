@@ -9,7 +9,7 @@ use crate::selection::{DECISIVE, Score};
 use crate::verification::believed::{with_gain, without_imitations};
 use crate::verification::described::described;
 use crate::verification::held_out::{gain, held_out};
-use crate::verification::instead::simple_instead;
+use crate::verification::instead::{constant_instead, simple_instead};
 use crate::verification::lost_motion::FORMS;
 use crate::verification::model::{Model, evidence, has, have_same, is_coupling, is_left, only};
 use crate::verification::problem::Problem;
@@ -31,12 +31,19 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
         false => wandering(plain, &[]),
     };
     let mut models = Vec::new();
-    // A coupling may imitate squareness and scale together.
-    let mut found = of_causes.causes.iter();
-    if is_complete && found.any(|cause| is_coupling(plain, cause.candidate)) {
+    let found = &of_causes.causes;
+    if is_complete
+        && found
+            .iter()
+            .any(|cause| is_coupling(plain, cause.candidate))
+    {
+        // A coupling may imitate squareness and scale together.
         let all = 0..plain.listed.candidates.len();
         let couplings: Vec<usize> = all.filter(|&number| is_coupling(plain, number)).collect();
         models.extend(whole(plain, &couplings));
+    } else if is_complete && found.len() > 1 {
+        // So may a jump and lost motion that changes along the axis imitate a drift and constant lost motion: in two cycles exactly.
+        models.extend(whole(plain, &[]));
     }
     if !is_complete {
         models.extend(whole(plain, &[]));
@@ -77,7 +84,10 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
         let near = scored.take_while(|(evidence, _)| most - evidence < DECISIVE);
         let as_good = near.filter(|(_, model)| are_as_good(model));
         let as_good = as_good.map(|(_, model)| model.causes);
-        best.as_good = as_good.chain(simple_instead(plain, &best, most)).collect();
+        best.as_good = as_good
+            .chain(simple_instead(plain, &best, most))
+            .chain(constant_instead(plain, &best, most))
+            .collect();
     }
     best
 }

@@ -1,5 +1,7 @@
 //! The effects of the catalogue that a verification may show, with their columns.
 
+use std::f64::consts::PI;
+
 use trueaxis_campaign::VerificationKind;
 use trueaxis_effects::{Level, Scene, Shape, Subject, catalogue};
 use trueaxis_kinematics::{AxisKind, Component};
@@ -44,6 +46,8 @@ const MOST_STEPS: u32 = 400;
 /// Whole waves per turn that are tried at most.
 const MOST_PER_TURN: u32 = 12;
 
+const ECCENTRICITY: &str = "encoder_eccentricity";
+
 /// Every effect of this level on every subject that moves.
 pub(crate) fn candidates<'a>(
     comparison: &'a Comparison<'a>,
@@ -78,6 +82,9 @@ pub(crate) fn candidates<'a>(
         scene.moving.dedup();
         let mut subjects = effect.subjects(&scene);
         subjects.retain(|subject| is_seen(comparison, subject));
+        if effect.id == ECCENTRICITY {
+            subjects.retain(|subject| is_half_turned(comparison, subject));
+        }
         for &subject in &subjects {
             let hypothesis = Hypothesis {
                 effect,
@@ -164,6 +171,12 @@ fn is_seen(comparison: &Comparison<'_>, subject: &Subject) -> bool {
         VerificationKind::Positioning { .. } => component == own,
         VerificationKind::Ballbar { .. } => component == own || !component.is_angular(),
     }
+}
+
+/// Whether an axis turned so far that one wave per turn is not merely a slope or a bow.
+fn is_half_turned(comparison: &Comparison<'_>, subject: &Subject) -> bool {
+    let range = subject.axis.and_then(|axis| sampling(comparison, axis));
+    range.is_some_and(|[range, _]| range > PI * (1.0 - ROUNDING))
 }
 
 /// Whether an effect is anything but lost motion of an axis that came from one side only: then nothing tells it from a function

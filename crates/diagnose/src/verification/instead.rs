@@ -1,7 +1,9 @@
-//! What explains as much as a coupling: on a circle away from where the axes were parked it is nearly squareness and scale.
+//! What explains as much in another form: on a circle away from where the axes were parked a coupling is nearly squareness and scale, and
+//! beside what goes with time lost motion that changes along the axis is nearly a constant one beside something else that does.
 
-use crate::engine::{Chosen, without};
+use crate::engine::{Candidate, Chosen, without};
 use crate::selection::{DECISIVE, Score};
+use crate::verification::lost_motion::{CONSTANT, EFFECT};
 use crate::verification::model::{Model, evidence, has, is_coupling, is_left, only};
 use crate::verification::problem::Problem;
 
@@ -23,10 +25,59 @@ pub(crate) fn simple_instead(plain: &Problem<'_>, best: &Model<'_>, most: f64) -
     let ones = (0..simple.len()).map(|i| vec![simple[i]]);
     let pairs = (0..simple.len()).flat_map(|i| (0..i).map(move |j| [j, i]));
     let pairs = pairs.map(|pair| pair.map(|i| simple[i]).to_vec());
+    as_good(plain, &others, ones.chain(pairs), most)
+}
+
+/// Constant lost motion beside something that goes with time, in place of one that changes along the axis beside something else that does.
+pub(crate) fn constant_instead(
+    plain: &Problem<'_>,
+    best: &Model<'_>,
+    most: f64,
+) -> Vec<Vec<Chosen>> {
+    let listed = &plain.listed;
+    let of = |cause: &Chosen| listed.hypothesis(cause);
+    let goes_with_time = |cause: &&Chosen| of(cause).is_of_time();
+    let changes = |cause: &&Chosen| of(cause).effect.id == EFFECT;
+    let (Some(_), Some(lost)) = (
+        best.causes.iter().find(goes_with_time),
+        best.causes.iter().find(changes),
+    ) else {
+        return Vec::new();
+    };
+    let is_constant = |own: &Candidate| {
+        own.hypothesis.effect.id == CONSTANT && own.hypothesis.subject == of(lost).subject
+    };
+    let Some(candidate) = listed.candidates.iter().position(is_constant) else {
+        return Vec::new();
+    };
+    let constant = Chosen {
+        candidate,
+        shape: 0.0,
+        u_shape: 0.0,
+    };
+    let kept = best
+        .causes
+        .iter()
+        .filter(|own| !goes_with_time(own) && !changes(own));
+    let others: Vec<Chosen> = kept.copied().collect();
+    let beside = listed.beside(&[&others[..], &[constant]].concat());
+    let is_of_time = |score: &&Score| listed.candidate(&beside, score).hypothesis.is_of_time();
+    let of_time = beside.scores.iter().filter(is_of_time).take(MOST);
+    let pairs = of_time.map(|score| vec![listed.chosen(&beside, score), constant]);
+    as_good(plain, &others, pairs, most)
+}
+
+/// Those that explain all with nearly as much evidence in place of causes that are not among the others; none that holds a smaller one.
+fn as_good(
+    plain: &Problem<'_>,
+    others: &[Chosen],
+    instead: impl Iterator<Item = Vec<Chosen>>,
+    most: f64,
+) -> Vec<Vec<Chosen>> {
     let mut as_good: Vec<Vec<Chosen>> = Vec::new();
-    for own in ones.chain(pairs) {
+    for own in instead {
         let model = Model {
-            causes: [&others[..], &own].concat(),
+            causes: [others, &own].concat(),
             ..only(plain, Vec::new())
         };
         let has_more = as_good

@@ -23,7 +23,8 @@ use crate::{CurvePoint, EstimatedParameter};
 pub(crate) const EFFECT: &str = "position_dependent_backlash";
 
 /// Lost motion in all its forms.
-pub(crate) const FORMS: [&str; 2] = ["backlash", EFFECT];
+pub(crate) const CONSTANT: &str = "backlash";
+pub(crate) const FORMS: [&str; 2] = [CONSTANT, EFFECT];
 
 /// Half waves beside mean and slope up to which each number is tried: of a smooth function.
 const SMOOTH: usize = 6;

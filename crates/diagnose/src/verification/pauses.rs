@@ -3,7 +3,7 @@
 //! What drifts goes on meanwhile. By the numbers of its rows a drift is then quicker than within the cycles, where it is slower by
 //! what grows on the way there and falls on the way back: lost motion that changes along the axis. Pauses are not shorter than nothing
 //! and not longer than all: beside the drift as the rows tell it, and beside an offset of each cycle instead of it, lost motion has its
-//! two extremes. If they differ in sign, there are pauses with which there is none.
+//! two extremes. If they differ in sign, there are pauses with which there is none; the distance is in its uncertainty.
 
 use crate::Rival;
 use crate::engine::{Chosen, Listed};
@@ -12,21 +12,32 @@ use crate::verification::base::{count, cycles, indicators};
 use crate::verification::lost_motion::{EFFECT, FORMS};
 use crate::verification::problem::Problem;
 use crate::verification::wanderer::Wanderer;
+use crate::verification::wandering::FittedProcess;
 
-/// What pauses leave of lost motion, cause `k` with its fit, beside a cause of time: that which is as large everywhere, or nothing, in which case it is what
-/// goes with time.
-pub(crate) fn rivals_by_pauses(
+/// What unknown pauses mean for lost motion beside a cause of time.
+#[derive(Default)]
+pub(crate) struct ByPauses {
+    /// That which is as large everywhere, or nothing, in which case it is what goes with time.
+    pub(crate) rivals: Vec<Rival>,
+    /// How far the other extreme is from the values that are stated; nothing where there are no pauses.
+    pub(crate) shift: Vec<f64>,
+}
+
+/// What pauses leave of lost motion, cause `k` with its fit to observations of this variance, beside causes of time or what wanders.
+pub(crate) fn by_pauses(
     problem: &Problem<'_>,
-    causes: &[Chosen],
+    (causes, wandering): (&[Chosen], &[FittedProcess]),
     (k, fit): (usize, &Fit),
-    evidence: f64,
-) -> Vec<Rival> {
+    (evidence, variance): (f64, f64),
+) -> ByPauses {
     let (comparison, listed) = (problem.comparison, &problem.listed);
     let own = listed.hypothesis(&causes[k]);
     let is_lost_motion = FORMS.contains(&own.effect.id) && own.subject.axis == comparison.line();
     let is_of_time = |cause: &Chosen| listed.hypothesis(cause).is_of_time();
-    if comparison.timed || !is_lost_motion || !causes.iter().any(is_of_time) {
-        return Vec::new();
+    let wanders = wandering.iter().any(|own| own.wanderer.is_of_time());
+    let goes_on = wanders || causes.iter().any(is_of_time);
+    if comparison.timed || !is_lost_motion || !goes_on {
+        return ByPauses::default();
     }
     // Mean and slope, of a constant the mean alone. Half waves are rougher than any pause makes.
     let straight = match own.effect.id == EFFECT {
@@ -35,25 +46,63 @@ pub(crate) fn rivals_by_pauses(
     };
     let cycles = cycles(comparison);
     if count(&cycles) < 2 || fit.estimates.len() != straight {
-        return Vec::new();
+        return ByPauses::default();
     }
-    // Beside the zero of the line the first one has no meaning.
-    let offsets = indicators(&cycles).into_iter().skip(1);
-    let offsets: Vec<Vec<f64>> = offsets.map(|offset| problem.whiten(&offset)).collect();
+    // Beside the zero of the line, and its scale, the first one has no meaning.
+    let mut offsets: Vec<Vec<f64>> = indicators(&cycles).into_iter().skip(1).collect();
+    if wandering.iter().any(|own| own.wanderer == Wanderer::Scale) {
+        let along = comparison
+            .arrivals
+            .iter()
+            .map(|a| comparison.travelled(a) - 0.5);
+        let along: Vec<f64> = along.collect();
+        let slope = |offset: &Vec<f64>| -> Vec<f64> {
+            offset.iter().zip(&along).map(|(x, q)| x * q).collect()
+        };
+        let slopes: Vec<Vec<f64>> = offsets.iter().map(slope).collect();
+        offsets.extend(slopes);
+    }
+    let offsets: Vec<Vec<f64>> = offsets
+        .iter()
+        .map(|offset| problem.whiten(offset))
+        .collect();
     let paused = Listed {
         base: listed.base.extended(&offsets),
         candidates: listed.candidates.clone(),
     };
-    let mut others: Vec<Chosen> = causes.to_vec();
-    others.retain(|cause| !is_of_time(cause));
-    let Some(number) = others.iter().position(|cause| *cause == causes[k]) else {
-        return Vec::new();
+    let without_time: Vec<Chosen> = causes
+        .iter()
+        .filter(|cause| !is_of_time(cause))
+        .copied()
+        .collect();
+    let sized = |among: &[Chosen]| {
+        let number = among.iter().position(|cause| *cause == causes[k])?;
+        Some((number, paused.sizes(among).swap_remove(number).fit))
     };
-    let with_pauses = &paused.sizes(&others)[number].fit;
-    let turns =
-        |i: usize| with_pauses.seen[i] && fit.estimates[i] * with_pauses.estimates[i] <= 0.0;
-    let turning = [0, 1].map(|i| i >= straight || turns(i));
-    match turning {
+    let Some((number, all_in_pauses)) = sized(&without_time) else {
+        return ByPauses::default();
+    };
+    // Beside the slope nothing tells what drifts within the cycles; beside a constant it may be seen.
+    let as_seen = (straight == 1).then(|| sized(causes)).flatten();
+    let u_of = |fit: &Fit, i: usize| (fit.covariance[i * straight + i].max(0.0) * variance).sqrt();
+    let shift = |i: usize| {
+        let most = match all_in_pauses.seen[i] {
+            true => all_in_pauses.estimates[i] - fit.estimates[i],
+            false => 0.0,
+        };
+        let seen = as_seen.as_ref().filter(|(_, seen)| seen.seen[i]);
+        let bound = seen.map_or(f64::INFINITY, |(_, seen)| {
+            (seen.estimates[i] - fit.estimates[i]).abs() + COVERAGE * u_of(seen, i)
+        });
+        most.signum() * most.abs().min(bound)
+    };
+    let vanishes = |i: usize| {
+        let (value, other) = (fit.estimates[i], fit.estimates[i] + shift(i));
+        all_in_pauses.seen[i]
+            && (value * other <= 0.0 || other.abs() < COVERAGE * u_of(&all_in_pauses, i))
+    };
+    let vanishing = [0, 1].map(|i| i >= straight || vanishes(i));
+    let rivals = match vanishing {
         [true, true] => {
             let names = Wanderer::Instrument.names(comparison);
             let with_time = |name: Wanderer| Rival::Disturbance {
@@ -62,10 +111,30 @@ pub(crate) fn rivals_by_pauses(
             };
             names.map(with_time).collect()
         }
-        [false, true] if own.effect.id == EFFECT => constant(&paused, &others, number),
+        [false, true] if own.effect.id == EFFECT => constant(&paused, &without_time, number),
         _ => Vec::new(),
+    };
+    ByPauses {
+        rivals,
+        shift: (0..straight).map(shift).collect(),
     }
 }
+
+impl ByPauses {
+    /// Adds to a covariance, in units of the variance, that any value up to the other extreme is as likely: from the one that is stated
+    /// the mean square is a third of that distance squared.
+    pub(crate) fn add_to(&self, covariance: &mut [f64], variance: f64) {
+        let n = self.shift.len();
+        for (i, a) in self.shift.iter().enumerate() {
+            for (j, b) in self.shift.iter().enumerate() {
+                covariance[i * n + j] += a * b / (3.0 * variance);
+            }
+        }
+    }
+}
+
+/// Standard uncertainties from nothing that a value is which may be nothing.
+const COVERAGE: f64 = 2.0;
 
 /// The constant form of a lost motion that changes along the axis.
 fn constant(listed: &Listed, causes: &[Chosen], k: usize) -> Vec<Rival> {

@@ -4,11 +4,12 @@ use trueaxis_effects::{Level, Scene, Subject};
 
 use crate::engine::{Chosen, Judged, Listed, places as places_by, side, without};
 use crate::fitted::{Against, Fitted, Row};
-use crate::selection::{Fit, Projection, combined, cosine, is_rival};
+use crate::selection::{DECISIVE, Fit, Projection, Score, combined, cosine, is_rival};
 use crate::verification::arrivals::Arrival;
+use crate::verification::comparison::TIMESTAMP_OFFSET;
 use crate::verification::held_out::gain_of;
-use crate::verification::lost_motion::{curve, shown_along};
-use crate::verification::pauses::rivals_by_pauses;
+use crate::verification::lost_motion::{FORMS, curve, shown_along};
+use crate::verification::pauses::by_pauses;
 use crate::verification::problem::Problem;
 use crate::verification::search::{contains, ln_more};
 use crate::verification::wandering::{FittedProcess, rival_disturbances};
@@ -46,13 +47,20 @@ pub(crate) fn causes(
     }
     let mut causes = Vec::new();
     let sizes = problem.listed.sizes(chosen);
-    for (k, (cause, sized)) in chosen.iter().zip(sizes).enumerate() {
+    for (k, (cause, mut sized)) in chosen.iter().zip(sizes).enumerate() {
         let candidate = &problem.listed.candidates[cause.candidate];
         let columns = candidate.columns(cause.shape);
         let Some(judged) = problem.listed.judge(chosen, k) else {
             continue;
         };
         let level = (scene, Level::Verification);
+        let by_pauses = by_pauses(
+            problem,
+            (chosen, wandering),
+            (k, &sized.fit),
+            (judged.score.evidence, variance),
+        );
+        by_pauses.add_to(&mut sized.fit.covariance, variance);
         let u_shape = sized.u_shape.map_or(cause.u_shape, |u| u * variance.sqrt());
         let own = (&sized.fit, u_shape);
         let mut said = problem.listed.cause(&judged, level, own, variance);
@@ -71,7 +79,7 @@ pub(crate) fn causes(
             rivals: [
                 rival_disturbances(problem, wandering, chosen, k, judged.score.evidence),
                 rivals(&problem.listed, &chosen[k..=k], &judged),
-                rivals_by_pauses(problem, chosen, (k, &sized.fit), judged.score.evidence),
+                by_pauses.rivals,
             ]
             .concat(),
             curve: curve.unwrap_or_default(),
@@ -132,6 +140,7 @@ pub(crate) fn rivals(listed: &Listed, cause: &[Chosen], judged: &Judged) -> Vec<
             is_rival(own, score, cosine(&judged.fit, other))
         }
     });
+    rivals.extend(lost_motion_beyond_drives(listed, judged));
     // Straight and free lost motion are one effect in two forms: the better of them is said.
     let mut said: Vec<(&str, Subject)> = Vec::new();
     rivals.retain(|rival| {
@@ -144,6 +153,25 @@ pub(crate) fn rivals(listed: &Listed, cause: &[Chosen], judged: &Judged) -> Vec<
         is_new
     });
     rivals
+}
+
+/// Lost motion that would explain as much if any drive lost so much: a mistake in the table is likelier than anything else that turns
+/// round with the axis. Beside late time stamps it counts in any case: what cables and soft joints lose is no plain play.
+fn lost_motion_beyond_drives(listed: &Listed, judged: &Judged) -> impl Iterator<Item = Rival> {
+    let (beside, own) = (&judged.beside, &judged.score);
+    let effect = |score: &Score| listed.candidate(beside, score).hypothesis.effect.id;
+    let is_late = effect(own) == TIMESTAMP_OFFSET;
+    let is_it = move |score: &&Score| {
+        FORMS.contains(&effect(score)) && (is_late || own.evidence - score.evidence < DECISIVE)
+    };
+    beside.impossible.iter().filter(is_it).map(|score| {
+        let candidate = listed.candidate(beside, score);
+        let fit = Fit::new(&beside.model, &candidate.columns(score.shape));
+        Rival::Effect {
+            effect: candidate.resolved(&fit.estimates, score.shape),
+            delta_bic: score.bic,
+        }
+    })
 }
 
 /// Adds to the causes of a model those of another one that is as good, each to those in whose place it stands there.

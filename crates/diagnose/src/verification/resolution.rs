@@ -5,20 +5,11 @@
 
 use std::f64::consts::PI;
 
-/// Readings that differ by less than this part of them are equal.
-const EQUAL: f64 = 1e-9;
+use trueaxis_leastsquares::last_digit;
 
-/// Standard uncertainty of a reading from its last digit, µm: the smallest difference of any two readings stands for that
-/// digit. `None` if all readings are equal.
+/// Standard uncertainty of a reading from its last digit, µm. `None` if all readings are equal.
 pub(crate) fn resolution_um(values_um: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values_um.collect();
-    values.sort_by(f64::total_cmp);
-    let gaps = values.windows(2).filter_map(|pair| {
-        let (gap, larger) = (pair[1] - pair[0], pair[0].abs().max(pair[1].abs()));
-        (gap > EQUAL * larger).then_some(gap)
-    });
-    let least = gaps.min_by(f64::total_cmp);
-    least.map(|gap| gap / 12_f64.sqrt())
+    last_digit(values_um).map(|digit| digit / 12_f64.sqrt())
 }
 
 /// Terms of the series: the next is below a thousandth of the first.

@@ -2,8 +2,8 @@
 //!
 //! Over its argument `x`, 0 to 1, each coordinate is a process with Matérn's covariance in half waves
 //! ([`matern_roots`]), as in the lengths, but without its mean: the base model takes that, or it is an effect of the catalogue.
-//! Rows without a clock do not say whether the machine paused between two passes, in which what drifts goes on: each pass then
-//! may have an offset of its own beside. What goes with time may also swing with one period, as an air conditioning does ([`Form`]).
+//! Rows without a clock do not say whether the machine paused between two passes, in which what drifts goes on: each pass, or each
+//! cycle, then may have an offset of its own beside. What goes with time may also swing with one period, as an air conditioning does ([`Form`]).
 //!
 //! | who | what moves | with | coordinates | where |
 //! | --- | --- | --- | --- | --- |
@@ -50,9 +50,8 @@ const POINTS: u32 = 33;
 /// How a course goes on, over its argument from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Form {
-    /// Matérn's process with this correlation length; `paused` if it goes on in pauses between the passes, of which nobody knows how
-    /// long they were.
-    Smooth { length: f64, paused: bool },
+    /// Matérn's process with this correlation length, and where it goes on in pauses of which nobody knows how long they were.
+    Smooth { length: f64, pauses: Pauses },
     /// `a sin 2πx/T + b cos 2πx/T` with this period. As a smooth process it would pay for every other course that one so quick
     /// could take, and what repeats in nearly the time of a cycle would look simpler as an error of the axis.
     Swing(f64),
@@ -66,6 +65,15 @@ impl Form {
             Self::Swing(period) => 0.25 * period,
         }
     }
+}
+
+/// Where a course goes on that no reading shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Pauses {
+    Nowhere,
+    /// Between two cycles, or where an instrument was set to zero for the next one; the axis turned at once.
+    BetweenCycles,
+    BetweenPasses,
 }
 
 /// Steps of the number of waves of a swing over the readings: one sixteenth of a wave more or less leaves 98 % of it.
@@ -85,13 +93,14 @@ const STOPS_OF_PERIOD: f64 = 6.0;
 struct Functions {
     form: Form,
     waves: u32,
-    passes: usize,
+    /// Passes, and cycles of more than one, that may have offsets.
+    parts: [usize; 2],
 }
 
 impl Functions {
     /// What each coefficient is multiplied by at an argument: `cos(πx), cos(2πx), ...` or sine and cosine of a swing from their means,
-    /// and where pauses are unknown one for the pass.
-    fn at(&self, x: f64, pass: usize) -> Vec<f64> {
+    /// and where pauses are unknown one for the pass and one for the cycle.
+    fn at(&self, x: f64, part: [usize; 2]) -> Vec<f64> {
         let mut all: Vec<f64> = match self.form {
             Form::Smooth { .. } => half_waves(x, self.waves).collect(),
             Form::Swing(period) => {
@@ -100,7 +109,9 @@ impl Functions {
                 vec![sine - (1.0 - turn.cos()) / turn, cosine - turn.sin() / turn]
             }
         };
-        all.extend((0..self.passes).map(|k| f64::from(u8::from(k == pass))));
+        for (count, own) in self.parts.into_iter().zip(part) {
+            all.extend((0..count).map(|k| f64::from(u8::from(k == own))));
+        }
         all
     }
 }
@@ -234,26 +245,31 @@ impl Wanderer {
         }
     }
 
-    /// Passes between which it may change by more than it does within: where no clock shows how long the pauses are.
-    fn passes(self, comparison: &Comparison<'_>) -> usize {
-        let count = count(&comparison.passes);
-        let has_stops = LEAST_STOPS * count <= comparison.arrivals.len();
-        match self.is_of_time() && !comparison.timed && has_stops && count <= MOST_PASSES {
-            true => count,
-            false => 0,
+    /// Passes, and cycles of more than one pass, between which it may change by more than it does within: where no clock shows how
+    /// long the pauses are.
+    fn parts(self, comparison: &Comparison<'_>) -> [usize; 2] {
+        let passes = count(&comparison.passes);
+        let has_stops = LEAST_STOPS * passes <= comparison.arrivals.len();
+        if !self.is_of_time() || comparison.timed || !has_stops || passes > MOST_PASSES {
+            return [0, 0];
         }
+        let cycles = count(&cycles_in_a_row(comparison));
+        [passes, if cycles < passes { cycles } else { 0 }]
     }
 
     /// What a unit of each coefficient does to the readings, coordinate after coordinate; alike for all smooth forms: the offsets of the
     /// passes have a root of zero in those without pauses.
     pub(crate) fn columns(self, comparison: &Comparison<'_>, form: Form) -> Vec<Vec<f64>> {
         let functions = self.functions(comparison, form);
-        let rows = comparison.passes.iter().enumerate().map(|(row, &pass)| {
-            let basis = functions.at(self.argument(comparison, row), pass);
-            let seen = self.seen(comparison, row);
-            let products = seen.iter().flat_map(|x| basis.iter().map(move |b| x * b));
-            products.collect::<Vec<f64>>()
-        });
+        let rows = parts(comparison)
+            .into_iter()
+            .enumerate()
+            .map(|(row, part)| {
+                let basis = functions.at(self.argument(comparison, row), part);
+                let seen = self.seen(comparison, row);
+                let products = seen.iter().flat_map(|x| basis.iter().map(move |b| x * b));
+                products.collect::<Vec<f64>>()
+            });
         let rows: Vec<Vec<f64>> = rows.collect();
         let count = rows.first().map_or(0, Vec::len);
         (0..count)
@@ -265,7 +281,7 @@ impl Wanderer {
         Functions {
             form,
             waves: self.waves(comparison),
-            passes: self.passes(comparison),
+            parts: self.parts(comparison),
         }
     }
 
@@ -278,25 +294,35 @@ impl Wanderer {
             Form::Swing(_) => vec![1.0; 2],
         };
         let between = match form {
-            Form::Smooth { paused: true, .. } => BETWEEN_PASSES,
-            _ => 0.0,
+            Form::Smooth { pauses, .. } => {
+                [Pauses::BetweenPasses, Pauses::BetweenCycles].map(|own| own == pauses)
+            }
+            Form::Swing(_) => [false; 2],
         };
-        roots.extend(std::iter::repeat_n(between, self.passes(comparison)));
+        for (count, is_there) in self.parts(comparison).into_iter().zip(between) {
+            let root = if is_there { BETWEEN_PASSES } else { 0.0 };
+            roots.extend(std::iter::repeat_n(root, count));
+        }
         roots.repeat(self.seen(comparison, 0).len())
     }
 
     /// Smooth courses that are tried.
     pub(crate) fn smooth(self, comparison: &Comparison<'_>) -> Vec<Form> {
         let lengths = correlation_lengths(self.stops(comparison));
-        let with_pauses: &[bool] = match self.passes(comparison) {
-            0 => &[false],
-            _ => &[false, true],
+        let pauses: &[Pauses] = match self.parts(comparison) {
+            [0, _] => &[Pauses::Nowhere],
+            [_, 0] => &[Pauses::Nowhere, Pauses::BetweenPasses],
+            _ => &[
+                Pauses::Nowhere,
+                Pauses::BetweenCycles,
+                Pauses::BetweenPasses,
+            ],
         };
-        let of_lengths = |&paused: &bool| {
+        let of_lengths = |&pauses: &Pauses| {
             let lengths = lengths.iter();
-            lengths.map(move |&length| Form::Smooth { length, paused })
+            lengths.map(move |&length| Form::Smooth { length, pauses })
         };
-        with_pauses.iter().flat_map(of_lengths).collect()
+        pauses.iter().flat_map(of_lengths).collect()
     }
 
     /// Periods that are tried, of what goes with time by a clock: without one nobody knows the phase after a pause. What is quicker
@@ -325,16 +351,16 @@ impl Wanderer {
     pub(crate) fn shown(self, comparison: &Comparison<'_>, form: Form) -> Vec<(f64, Vec<f64>)> {
         let ([first, last], _) = self.range(comparison);
         let functions = self.functions(comparison, form);
-        if functions.passes > 0 {
-            let arrivals = comparison.arrivals.iter().zip(&comparison.passes);
-            let at = |(arrival, &pass): (&Arrival, &usize)| {
-                (arrival.time_s, functions.at(arrival.progress, pass))
+        if functions.parts[0] > 0 {
+            let arrivals = comparison.arrivals.iter().zip(parts(comparison));
+            let at = |(arrival, part): (&Arrival, [usize; 2])| {
+                (arrival.time_s, functions.at(arrival.progress, part))
             };
             return arrivals.map(at).collect();
         }
         let at = |k: u32| {
             let x = f64::from(k) / f64::from(POINTS - 1);
-            (first + x * (last - first), functions.at(x, 0))
+            (first + x * (last - first), functions.at(x, [0, 0]))
         };
         (0..POINTS).map(at).collect()
     }
@@ -356,6 +382,27 @@ impl Wanderer {
             AxisKind::Rotary => (ends.map(f64::to_degrees), "deg"),
         }
     }
+}
+
+/// For each arrival the number of its pass, and of its cycle among those that follow each other.
+fn parts(comparison: &Comparison<'_>) -> Vec<[usize; 2]> {
+    let cycles = cycles_in_a_row(comparison).into_iter();
+    comparison
+        .passes
+        .iter()
+        .zip(cycles)
+        .map(|(&pass, cycle)| [pass, cycle])
+        .collect()
+}
+
+/// For each arrival the number of the arrivals in a row that are of one cycle.
+fn cycles_in_a_row(comparison: &Comparison<'_>) -> Vec<usize> {
+    let rows = comparison
+        .arrivals
+        .chunk_by(|a, b| a.cycle == b.cycle)
+        .enumerate();
+    rows.flat_map(|(number, row)| std::iter::repeat_n(number, row.len()))
+        .collect()
 }
 
 /// From the start of a cycle to that of the next, the pause between them included, as a part of the time of all readings (median).

@@ -5,7 +5,7 @@ use trueaxis_effects::Layer;
 use crate::Rival;
 use crate::engine::{Candidate, Chosen, Posterior, SMOOTH_LEVEL, Smooth, without};
 use crate::selection::{ALIKE, DECISIVE, Fit, Hypothesis, Projection, by_evidence, ln_f_test};
-use crate::verification::comparison::Comparison;
+use crate::verification::comparison::COUPLING;
 use crate::verification::lost_motion::beyond_drives;
 use crate::verification::problem::Problem;
 use crate::verification::wandered::curve;
@@ -135,7 +135,7 @@ pub(crate) fn rival_disturbances(
         let mut said = names.iter();
         said.any(|rival| matches!(rival, Rival::Disturbance { whose, .. } if *whose == own))
     };
-    let twin = twin(comparison, hypothesis).filter(|twin| !is_said(*twin));
+    let twin = twin(problem, hypothesis).filter(|twin| !is_said(*twin));
     let twin = twin.map(|twin| Rival::Disturbance {
         whose: twin.whose(comparison),
         evidence,
@@ -144,8 +144,14 @@ pub(crate) fn rival_disturbances(
 }
 
 /// What nothing in one file tells from a cause, and has no name in the catalogue. No shift or drift of the machine turns a rotary
-/// axis: an encoder, a clamp or a belt that slips is the machine with time. And an instrument warms up as a machine does.
-fn twin(comparison: &Comparison<'_>, hypothesis: &Hypothesis) -> Option<Wanderer> {
+/// axis: an encoder, a clamp or a belt that slips is the machine with time. And an instrument warms up as a machine does. On a circle a
+/// coupling `c x y` of X is a bow `c x²` of X towards Y, since both are `c r² cos²φ sin φ` along the bar; only a calibration knows bows.
+fn twin(problem: &Problem<'_>, hypothesis: &Hypothesis) -> Option<Wanderer> {
+    let comparison = problem.comparison;
+    let is_bow = hypothesis.effect.id == COUPLING && !problem.calibrated;
+    if is_bow && comparison.line().is_none() {
+        return Some(Wanderer::Position);
+    }
     let of_instrument = hypothesis.is_of_time() && hypothesis.effect.layer == Layer::Instrument;
     if of_instrument && comparison.is_of_rotary_axis() {
         return Some(Wanderer::Machine);

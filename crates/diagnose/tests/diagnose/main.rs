@@ -4,6 +4,7 @@
 //! docs/diagnosis.md need. Strengths are given as λ, the length of an effect's trace in standard
 //! deviations of an arrival after what the base model absorbs has been taken out.
 
+mod aliases;
 mod arcs;
 mod ball_bar;
 mod beyond;

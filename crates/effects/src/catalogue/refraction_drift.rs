@@ -23,7 +23,7 @@ pub(super) const EFFECT: Effect = Effect {
         cause: "the refractive index of the air drifts and is not, or not correctly, compensated: 1 ppm is 1 K, 4 hPa",
         consequence: "the scale of the machine changes from axis to axis with the time of its measurement",
         action: "log air temperature and pressure, check the weather station, calibrate the axes with the scale at one instant",
-        separate_by: "record air temperature (1 K is 0.95 ppm) and pressure (1 hPa is 0.27 ppm) with the lengths",
+        separate_by: "record air temperature (1 K is 0.95 ppm), pressure (1 hPa is 0.27 ppm) and the temperature of the machine (1 K is 11 ppm) with the lengths",
     },
 };
 

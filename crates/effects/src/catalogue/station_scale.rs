@@ -14,9 +14,9 @@ pub(super) const EFFECT: Effect = Effect {
     shape: Shape::Fixed,
     form: Form::Length(|of| PPM * of.at.distance_mm),
     explanation: Explanation {
-        cause: "the refractive index of the air was wrong at this station: another weather station or sensor, old values, a draught or the sun between tracker and machine; 1 ppm is 1 K, 4 hPa",
+        cause: "the refractive index of the air was wrong at this station: another weather station or sensor, old values, a draught or the sun between tracker and machine; 1 ppm is 1 K, 4 hPa; or the machine had another temperature while it was measured from there, 11 ppm per K",
         consequence: "the station shows all distances too long or too short: squareness and straightness are distorted towards it",
         action: "check what temperature, pressure and humidity the tracker used there, and measure this station again",
-        separate_by: "measure this station again with the weather station beside the beam, or a calibrated bar between two nests from every station",
+        separate_by: "log the temperature of the machine, and measure this station again with the weather station beside the beam, or a calibrated bar between two nests from every station",
     },
 };

@@ -8,7 +8,7 @@ use trueaxis_multilateration::{
     self as multilateration, BlockNoise, Network, Solution, Station, adjust_as_a_set,
     solve_as_a_set,
 };
-use trueaxis_screening::{Screened, screen_within};
+use trueaxis_screening::{Screened, screen_within, uneven_stations};
 
 use crate::Error;
 use crate::lengths::network::{CampaignNetwork, Group, network_from_campaign};
@@ -45,6 +45,9 @@ pub struct LengthsAdjustment<'a> {
 
 /// A residual this many times its noise in the mean is no noise: something in the data is wrong.
 const CONTRADICTORY_SIGMA0: f64 = 100.0;
+
+/// Ratio of the variances of two stations from which on U is wrong by much.
+const TWICE: f64 = 2.0;
 
 /// Groups that one thread takes at a time.
 const PIECE: usize = 32;
@@ -88,9 +91,25 @@ impl<'a> LengthsAdjustment<'a> {
             scale: None,
             known_misfits: Vec::new(),
         };
-        let weak = adjustment.check(settings.asks_why)?;
+        let mut notices = adjustment.check(settings.asks_why)?;
+        notices.extend(adjustment.uneven());
         adjustment.take_known(bodies)?;
-        Ok((adjustment, weak))
+        Ok((adjustment, notices))
+    }
+
+    /// Stations whose lengths scatter more than those of the others.
+    fn uneven(&self) -> Vec<String> {
+        let uneven = uneven_stations(&self.screened.network, &self.screened.solution);
+        let plainly = uneven.iter().filter(|(_, ratio)| *ratio > TWICE);
+        let said = plainly.map(|&(station, ratio)| {
+            format!(
+                "station {}: its lengths scatter {:.1} times as much as those of the others, but all weigh alike: U is too small for what \
+                 hangs on it; see whether its tripod stood firmly, and measure it again",
+                self.campaign.stations[station].name,
+                ratio.sqrt()
+            )
+        });
+        said.collect()
     }
 
     /// Refuses an adjustment that cannot be trusted. Contradictions come first: they make the stations look

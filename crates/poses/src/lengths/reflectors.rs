@@ -82,8 +82,8 @@ impl LengthsAdjustment<'_> {
             };
             format!(
                 "lengths to reflector {} are longer by {value_um:+.2} µm (U {expanded_um:.2} µm) than to all in the \
-                 mean, more than {than}: the results are free of it; a reflector may be damaged, or of another \
-                 kind",
+                 mean, more than {than}: the results are free of it, if it was so all the time; a reflector may be \
+                 damaged, or of another kind, or this target moved",
                 constant.name
             )
         };

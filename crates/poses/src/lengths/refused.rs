@@ -36,6 +36,22 @@ pub(crate) const ASK_WHY: &str = "`trueaxis diagnose` looks for what explains th
 
 pub(crate) const AS_THEY_ARE: &str = "--no-robust adjusts all lengths as they are";
 
+impl Error {
+    /// What a diagnosis says that is refused as well: without the advice to ask for one, or to calibrate otherwise.
+    pub fn of_a_diagnosis(self) -> Self {
+        let Self::NotTrustworthy { what, hint } = self else {
+            return self;
+        };
+        let hint = hint
+            .split("; ")
+            .filter(|advice| ![ASK_WHY, AS_THEY_ARE].contains(advice));
+        Self::NotTrustworthy {
+            what,
+            hint: hint.collect::<Vec<_>>().join("; "),
+        }
+    }
+}
+
 /// A failed adjustment in the words of the campaign; `groups` are those of its network.
 pub(crate) fn adjustment_error(
     campaign: &Campaign,

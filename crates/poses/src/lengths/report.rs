@@ -2,7 +2,7 @@
 
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::chi_squared_upper_tail;
-use trueaxis_screening::{Jump, NoiseBasis, PartEstimate};
+use trueaxis_screening::{Jump, NoiseBasis, PartEstimate, WanderingZero};
 
 use crate::lengths::LengthsAdjustment;
 use crate::report::{
@@ -80,14 +80,7 @@ impl LengthsAdjustment<'_> {
                     .to_owned(),
             );
         }
-        notices.extend(screened.wandering.iter().map(|zero| {
-            format!(
-                "station {}: its zero wanders smoothly by {:.1} µm rms, or its tripod does: this is no \
-                 interruption, and nothing was cut; `trueaxis diagnose` says what wanders and calibrates without it",
-                self.campaign.stations[zero.station].name,
-                zero.rms_mm / MICROMETRE
-            )
-        }));
+        notices.extend(self.wandering_zeros());
         let changed = !screened.removed.is_empty() || !screened.jumps.is_empty();
         if both_sides && changed && !report.is_contradicted() {
             notices.push(
@@ -101,6 +94,31 @@ impl LengthsAdjustment<'_> {
             notices.push(format!("the largest residual is that of {worst}"));
         }
         notices
+    }
+
+    /// Zeros that wander; those of most stations do not wander by chance.
+    fn wandering_zeros(&self) -> Vec<String> {
+        let zeros = &self.screened.wandering;
+        let name = |zero: &WanderingZero| self.campaign.stations[zero.station].name.as_str();
+        let rms_um = |zero: &WanderingZero| zero.rms_mm / MICROMETRE;
+        if zeros.len() > 1 && 2 * zeros.len() > self.campaign.stations.len() {
+            let names: Vec<&str> = zeros.iter().map(name).collect();
+            return vec![format!(
+                "stations {}: their zeros seem to wander by up to {:.1} µm rms; in so many it is rather something that all of them see, as \
+                 a target that moved, an axis or a hall that warms up: `trueaxis diagnose` looks for it",
+                names.join(", "),
+                zeros.iter().map(rms_um).fold(0.0, f64::max)
+            )];
+        }
+        let said = zeros.iter().map(|zero| {
+            format!(
+                "station {}: its zero wanders smoothly by {:.1} µm rms, or its tripod does: this is no \
+                 interruption, and nothing was cut; `trueaxis diagnose` says what wanders and calibrates without it",
+                name(zero),
+                rms_um(zero)
+            )
+        });
+        said.collect()
     }
 
     fn noise_report(&self) -> NoiseReport {

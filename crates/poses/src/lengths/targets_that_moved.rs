@@ -4,17 +4,13 @@ use std::collections::{BTreeMap, HashMap};
 
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::chi_squared_upper_tail;
-use trueaxis_screening::{MOST_OF_A_PART, Removed};
+use trueaxis_screening::{MOST_OF_A_PART, Removed, is_concentrated};
 
 use crate::Error;
 use crate::lengths::LengthsAdjustment;
 use crate::lengths::refused::{AS_THEY_ARE, ASK_WHY};
 use crate::report::StepMisfit;
 use crate::words::step_in_words;
-
-/// So many removals, and more than half of all, of one target from one station are no accident: there
-/// are at least twelve such pairs.
-const FEW: usize = 10;
 
 /// The coordinates of a displacement.
 const COORDINATES: usize = 3;
@@ -40,8 +36,8 @@ impl LengthsAdjustment<'_> {
         let all_removed = self.screened.removed.len();
         for ((station, target), Part { lengths, removed }) in whole.iter().chain(&from_stations) {
             let count = removed.len();
-            let concentrated = station.is_some() && count >= FEW && 2 * count > all_removed;
-            if count as f64 > MOST_OF_A_PART * *lengths as f64 || concentrated {
+            let is_most = count as f64 > MOST_OF_A_PART * *lengths as f64;
+            if is_most || station.is_some() && is_concentrated(count, all_removed) {
                 let from = station.map_or_else(String::new, |station| {
                     format!(" from station {}", self.campaign.stations[station].name)
                 });

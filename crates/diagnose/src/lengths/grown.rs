@@ -1,0 +1,74 @@
+//! A machine that is larger in place of lengths that are shown too long.
+//!
+//! From one station a machine that grew by s, all of it, is a scale s of its lengths: `u (p - c) s = l s - u (c - station) s`, and the
+//! rest is absorbed by where the station stands. Over time it is not, but hardly anything else differs. Targets on the bed tell
+//! them apart, since they stay.
+
+use crate::Error;
+use crate::engine::Found;
+use crate::engine::disturbance::{Wanderer, Who, With};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
+use crate::selection::{DECISIVE, Fit, Hypothesis};
+
+/// Effects that scale the lengths.
+const SCALES: [&str; 2] = ["station_scale", "refraction_drift"];
+
+/// Adds to scales of lengths the machine that wanders, where one that grows by the same course explains nearly as much.
+pub(crate) fn add_growth(
+    base: &Base<'_>,
+    adjusted: &Adjusted,
+    found: &mut [Found],
+) -> Result<(), Error> {
+    if base
+        .scene
+        .targets
+        .iter()
+        .any(|target| target.carrier.is_none())
+    {
+        return Ok(());
+    }
+    for (k, found) in found.iter_mut().enumerate() {
+        let hypothesis = found.suspect.hypothesis;
+        // The temperature of the air is not that of the machine.
+        if !SCALES.contains(&hypothesis.effect.id) || hypothesis.subject.column.is_some() {
+            continue;
+        }
+        let mut others = adjusted.suspects.clone();
+        others.remove(k);
+        let without = base.adjust_near(adjusted, others)?;
+        let own = base.columns(&without, &hypothesis, found.suspect.shape);
+        let own = Fit::new(&without.projection, &own).gained();
+        let grown = grown(base, &without, &hypothesis, found.suspect.shape);
+        // Where it is held is no finding: it costs nothing.
+        let gained = Fit::new(&without.projection, &grown).gained();
+        if own - gained < DECISIVE {
+            let machine = Wanderer {
+                who: Who::Machine,
+                with: With::Campaign,
+            };
+            found.wandering.push((machine, gained));
+        }
+    }
+    Ok(())
+}
+
+/// Whitened columns of a machine that grows as a scale of lengths goes: about the origin, and the place where it is held.
+fn grown(base: &Base<'_>, adjusted: &Adjusted, scale: &Hypothesis, shape: f64) -> Vec<Vec<f64>> {
+    let observations = base.observations(&adjusted.solution);
+    let of_lengths = base.columns_mm(&observations, scale, shape).swap_remove(0);
+    let with_course = |of: &dyn Fn(usize) -> f64| {
+        let course = |i: usize| of_lengths[i] / observations[i].at.distance_mm;
+        let mut column: Vec<f64> = (0..observations.len()).map(|i| course(i) * of(i)).collect();
+        adjusted.whitened.whiten(&mut column);
+        column
+    };
+    // A metre, so that all columns are as long as each other.
+    let held = (0..3).map(|c| with_course(&|i| 1e3 * observations[i].beam[c]));
+    let grows = with_course(&|i| {
+        observations[i]
+            .beam
+            .dot(&observations[i].at.point_mm.coords)
+    });
+    [grows].into_iter().chain(held).collect()
+}

@@ -1,0 +1,90 @@
+//! Stations that differ from the others: one whose lengths scatter more, one from which the machine was measured on another day.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use trueaxis_calibrate::{Settings as Calibrating, calibrate};
+use trueaxis_campaign::Campaign;
+use trueaxis_diagnose::{Diagnosis, Rival, Settings, Verdict, diagnose};
+use trueaxis_effects::Layer;
+use trueaxis_tests::blind::{self, Kind};
+
+fn diagnosed(campaign: &Campaign) -> Diagnosis {
+    let settings = Settings {
+        explain_curves: false,
+        ..Settings::default()
+    };
+    diagnose(campaign, &settings).unwrap()
+}
+
+/// Noise of so many µm on the lengths of the third station, besides.
+fn scattered(campaign: &mut Campaign, sigma_um: f64, seed: u64) {
+    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+    let lengths = campaign.lengths.as_mut().unwrap();
+    for stop in lengths.stops.iter().filter(|stop| stop.station == 2) {
+        for reading in &mut lengths.readings[stop.readings.clone()] {
+            let noise: f64 = StandardNormal.sample(&mut generator);
+            reading.length_mm += 1e-3 * sigma_um * noise;
+        }
+    }
+}
+
+/// One tripod of four on a soft floor: in the noise of all, seven of twelve such campaigns had a jump, a slip or something unknown.
+/// Four clean campaigns alarm with a probability of some 4 %; these seeds do not.
+#[test]
+fn a_station_that_scatters_more_names_nothing() {
+    for seed in 0..4 {
+        let mut campaign = blind::campaign(&Kind::three_axis(), &[], 300 + seed);
+        scattered(&mut campaign, 4.0, seed);
+        let found = diagnosed(&campaign);
+        assert_eq!(
+            found.verdict,
+            Verdict::Clean,
+            "seed {seed}: {:?}",
+            found.causes
+        );
+        let is_said = |notice: &String| {
+            notice.starts_with("station S3: its lengths scatter") && notice.contains("weigh less")
+        };
+        assert!(
+            found.notices.iter().any(is_said),
+            "seed {seed}: {:?}",
+            found.notices
+        );
+        // It is said of a calibration, too, where all weigh alike.
+        let calibration = calibrate(&campaign, &Calibrating::default()).unwrap();
+        let mut notices = calibration.notices.iter();
+        assert!(
+            notices.any(|n| n.starts_with("station S3: its lengths scatter")),
+            "seed {seed}"
+        );
+    }
+}
+
+/// From one station a machine that is larger by some ppm, since it is warmer, is a scale of its lengths: "wrong air" was named alone in 11
+/// of 24 such campaigns. Targets on the bed stay where they are, and tell.
+#[test]
+fn a_scale_of_one_station_may_be_a_warmer_machine() {
+    for (kind, is_told) in [
+        (Kind::three_axis(), false),
+        (Kind::three_axis().with_bed(5), true),
+    ] {
+        let hidden = blind::draw(&kind, "station_scale", 1).unwrap();
+        let hidden = blind::at_strength(&kind, &hidden, 1, 12.0);
+        let found = diagnosed(&blind::campaign(&kind, &[hidden], 1));
+        let mut causes = found.causes.iter();
+        let cause = causes
+            .find(|cause| cause.effect.effect.id == "station_scale")
+            .unwrap();
+        let is_machine = |rival: &Rival| match rival {
+            Rival::Disturbance { whose, .. } => whose.layer == Layer::Machine,
+            Rival::Effect { .. } => false,
+        };
+        assert_eq!(
+            cause.rivals.iter().any(is_machine),
+            !is_told,
+            "{:?}",
+            cause.rivals
+        );
+    }
+}
