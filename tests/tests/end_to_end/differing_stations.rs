@@ -3,6 +3,7 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
 use trueaxis_calibrate::{Settings as Calibrating, calibrate};
 use trueaxis_campaign::Campaign;
 use trueaxis_diagnose::{Diagnosis, Rival, Settings, Verdict, diagnose};
@@ -33,9 +34,9 @@ fn scattered(campaign: &mut Campaign, sigma_um: f64, seed: u64) {
 /// Four clean campaigns alarm with a probability of some 4 %; these seeds do not.
 #[test]
 fn a_station_that_scatters_more_names_nothing() {
-    for seed in 0..4 {
+    for (seed, sigma_um) in [(0, 4.0), (1, 2.0), (2, 1.0), (3, 1.0)] {
         let mut campaign = blind::campaign(&Kind::three_axis(), &[], 300 + seed);
-        scattered(&mut campaign, 4.0, seed);
+        scattered(&mut campaign, sigma_um, seed);
         let found = diagnosed(&campaign);
         assert_eq!(
             found.verdict,
@@ -51,13 +52,35 @@ fn a_station_that_scatters_more_names_nothing() {
             "seed {seed}: {:?}",
             found.notices
         );
-        // It is said of a calibration, too, where all weigh alike.
-        let calibration = calibrate(&campaign, &Calibrating::default()).unwrap();
-        let mut notices = calibration.notices.iter();
-        assert!(
-            notices.any(|n| n.starts_with("station S3: its lengths scatter")),
-            "seed {seed}"
-        );
+        // It is said of a calibration, too, where all weigh alike, unless so many lengths are far off that it is refused.
+        match calibrate(&campaign, &Calibrating::default()) {
+            Ok(calibration) => {
+                let mut notices = calibration.notices.iter();
+                let says_so = |n: &String| n.starts_with("station S3: its lengths scatter");
+                assert!(notices.any(says_so), "seed {seed}");
+            }
+            Err(refused) => assert!(
+                sigma_um > 1.5 && refused.to_string().contains("station S3"),
+                "seed {seed}: {refused}"
+            ),
+        }
+    }
+}
+
+/// How many of a hundred campaigns with such a station alarm. Of clean ones some 1 to 1.5 % do; eight of a hundred would be by chance
+/// with a probability of 4e-4.
+#[test]
+#[ignore = "study: 300 diagnoses"]
+fn stations_that_scatter_more_hardly_ever_name_anything() {
+    for sigma_um in [0.5, 1.0, 3.0] {
+        let alarms = (0..100_u64).into_par_iter().filter(|&seed| {
+            let mut campaign = blind::campaign(&Kind::three_axis(), &[], 400 + seed);
+            scattered(&mut campaign, sigma_um, seed);
+            diagnosed(&campaign).verdict != Verdict::Clean
+        });
+        let alarms = alarms.count();
+        println!("{sigma_um} µm: {alarms} of 100 alarm");
+        assert!(alarms < 8, "{sigma_um} µm: {alarms}");
     }
 }
 
