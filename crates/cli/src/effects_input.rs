@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Context;
 use serde::Deserialize;
 use trueaxis_effects::{
-    EffectsFile, GivenEffect, GivenParameter, GivenSubject, ResolvedEffects, Scene,
+    EffectsFile, GivenEffect, GivenParameter, GivenSubject, LOST_MOTION, ResolvedEffects, Scene,
 };
 
 use crate::given_file::read_text;
@@ -89,7 +89,7 @@ pub(crate) fn read(path: &Path, scene: &Scene, campaign: &str) -> anyhow::Result
             file.campaign
         ));
     }
-    let is_kept = |effect: &GivenEffect| effect.effect.ends_with("backlash");
+    let is_kept = |effect: &GivenEffect| LOST_MOTION.contains(&effect.effect.as_str());
     if file.effects.iter().any(is_kept) {
         notices.push(format!(
             "{}: lost motion is taken out, but the machine keeps it: for what it does in use calibrate without it, --by-direction",

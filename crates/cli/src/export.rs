@@ -34,6 +34,7 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
         onto: &old,
     };
     let folder = args.onto.as_deref().map_or(Path::new(""), folder_of);
+    let tables = export(&request).map_err(|error| in_folder(error, folder))?;
     let mut results = Results::new(args.out.as_deref(), &machine.campaign)?;
     // A second run would add the tables to themselves.
     if args.onto.is_some() && are_one(folder, &results.folder) {
@@ -42,7 +43,6 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
         }
         .into());
     }
-    let tables = export(&request).map_err(|error| in_folder(error, folder))?;
     say_all(source(&machine));
     say_all(announced(&machine, &tables.announcement));
     say_all(tables.notes.iter().map(|note| format!("  {note}")));

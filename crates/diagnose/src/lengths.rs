@@ -9,6 +9,7 @@
 //!
 //! - [`base`] adjusts the lengths ([`adjusted`]), less what the causes found so far do to them, with the full nonlinear
 //!   model; the parameters of the causes follow by block elimination until both converge.
+//! - [`weighed`]: stations whose lengths scatter more weigh less.
 //! - [`measured`]: what the search for causes ([`crate::engine`]) asks of them.
 //! - [`beside`]: what wanders in a course that nobody knows joins the covariance.
 //! - [`grown`]: what scales all lengths of a station is a machine that was larger then, too.
@@ -33,6 +34,7 @@ mod places;
 mod search;
 mod swapped;
 mod unexplained;
+mod weighed;
 
 pub(crate) use search::diagnose_lengths;
 pub(crate) use trueaxis_poses::scene_of as scene;

@@ -49,6 +49,9 @@ mod worm_gear;
 
 use crate::Effect;
 
+/// Lost motion in its forms: constant, and changing along the axis.
+pub const LOST_MOTION: [&str; 2] = [backlash::EFFECT.id, position_dependent_backlash::EFFECT.id];
+
 pub(crate) use backlash::OVER_COMPENSATED;
 pub use position_dependent_backlash::LOST_MOTION_OF_BOTH_SIGNS;
 

@@ -29,6 +29,11 @@ pub struct SceneTarget {
 }
 
 impl Scene {
+    /// Whether there are targets on the bed, which no axis moves.
+    pub fn has_bed_targets(&self) -> bool {
+        self.targets.iter().any(|target| target.carrier.is_none())
+    }
+
     /// The moving axes of a kind.
     pub fn moving_axes(&self, kind: AxisKind) -> impl Iterator<Item = usize> + '_ {
         let axes = self.moving.iter().copied();

@@ -22,7 +22,7 @@ pub struct Settings {
 
 /// Self-calibration needs four stations: with three, every new point brings as many unknowns as
 /// lengths and the stations stay unknown.
-const MIN_STATIONS: usize = 4;
+pub const MIN_STATIONS: usize = 4;
 
 /// A point needs three lengths.
 pub const MIN_STATIONS_PER_POINT: usize = 3;

@@ -3,12 +3,9 @@
 use std::collections::BTreeSet;
 
 use trueaxis_campaign::Campaign;
-use trueaxis_multilateration::are_in_line;
+use trueaxis_multilateration::{MIN_STATIONS, are_in_line};
 
 use crate::words::target_names;
-
-/// Stations that determine each other and the points.
-const STATIONS: usize = 4;
 
 /// Positions that tell the direction of an axis from its errors, and its straightness from its direction.
 const POSITIONS: usize = 3;
@@ -18,9 +15,9 @@ pub fn missing(campaign: &Campaign) -> Vec<String> {
     let mut missing = Vec::new();
     if let Some(lengths) = &campaign.lengths {
         let stations: BTreeSet<usize> = lengths.stops.iter().map(|stop| stop.station).collect();
-        if stations.len() < STATIONS {
+        if stations.len() < MIN_STATIONS {
             missing.push(format!(
-                "lengths from {} station(s): a calibration needs {STATIONS}, spread in all directions",
+                "lengths from {} station(s): a calibration needs {MIN_STATIONS}, spread in all directions",
                 stations.len()
             ));
         }

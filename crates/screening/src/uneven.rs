@@ -42,23 +42,21 @@ pub fn station_factors<E>(
 ) -> Result<Vec<f64>, E> {
     let mut factors = vec![1.0; network.stations.len()];
     let uneven = uneven_stations(network, solution);
-    let mut weighed = network.clone();
+    if uneven.is_empty() {
+        return Ok(factors);
+    }
     for &(j, ratio) in &uneven {
         factors[j] = ratio;
     }
+    let mut weighed = network.clone();
     for _ in 0..ROUNDS {
-        if uneven.is_empty() {
-            break;
-        }
-        weighed.variance_factors =
-            factors_of_readings(network, &network.variance_factors, &factors);
+        weighed.variance_factors = factors_of_readings(network, &factors);
         let solution = again(&mut weighed)?;
         let own = weighed.noise.length_sigma_mm.powi(2);
         for &(j, _) in &uneven {
-            let variance = own_variance(network, &solution, j);
-            factors[j] = variance
-                .map_or(factors[j], |variance| variance / own)
-                .max(1.0);
+            if let Some(variance) = own_variance(network, &solution, j) {
+                factors[j] = (variance / own).max(1.0);
+            }
         }
     }
     Ok(factors)
@@ -81,83 +79,60 @@ fn own_variance(network: &Network, solution: &Solution, station: usize) -> Optio
 
 /// Stations whose lengths plainly scatter more than those of the others, and the ratio of the variances of w.
 pub fn uneven_stations(network: &Network, solution: &Solution) -> Vec<(usize, f64)> {
-    let ratios = ratios(network, solution).into_iter().enumerate();
-    let uneven = ratios.filter(|(_, ratio)| ratio.is_plain());
-    uneven
-        .map(|(station, ratio)| (station, ratio.variances))
-        .collect()
+    let tests = solution.tests(network);
+    let scatters = (0..network.stations.len()).map(|j| scatter(network, &tests, j));
+    let scatters: Vec<Option<Scatter>> = scatters.collect();
+    let uneven = |j: usize| {
+        let own = scatters[j].as_ref()?;
+        let others = || {
+            (0..scatters.len())
+                .filter(|&k| k != j)
+                .filter_map(|k| scatters[k].as_ref())
+        };
+        let usual = median(&mut others().map(|other| other.variance).collect::<Vec<f64>>())?;
+        let fewest = others()
+            .map(|other| other.visits)
+            .fold(f64::INFINITY, f64::min);
+        let ratio = own.variance / usual;
+        let u_ln = (2.0 / own.visits + 2.0 / fewest).sqrt();
+        (usual > 0.0 && ratio > MATTERS && ratio.ln() > PLAIN * u_ln).then_some((j, ratio))
+    };
+    (0..scatters.len()).filter_map(uneven).collect()
 }
 
 /// The factor of each reading: its own times that of its station.
-pub fn factors_of_readings(network: &Network, given: &[f64], of_stations: &[f64]) -> Vec<f64> {
+pub fn factors_of_readings(network: &Network, of_stations: &[f64]) -> Vec<f64> {
     let mut factors = vec![1.0; network.readings.len()];
     for visit in &network.visits {
         for reading in visit.readings.clone() {
-            factors[reading] =
-                given.get(reading).copied().unwrap_or(1.0) * of_stations[visit.station];
+            factors[reading] = network.variance_factor(reading) * of_stations[visit.station];
         }
     }
     factors
 }
 
-/// What a station's lengths scatter beside those of the others.
-#[derive(Clone, Copy)]
-struct Ratio {
-    /// Of the variances.
-    variances: f64,
-    /// Standard deviation of its logarithm.
-    u_ln: f64,
+/// What the lengths of a station scatter.
+struct Scatter {
+    /// Mean square of the differences of w.
+    variance: f64,
+    visits: f64,
 }
 
-impl Ratio {
-    fn is_plain(self) -> bool {
-        self.variances > MATTERS && self.variances.ln() > PLAIN * self.u_ln
-    }
-}
-
-fn ratios(network: &Network, solution: &Solution) -> Vec<Ratio> {
-    let tests = solution.tests(network);
-    let scatters: Vec<Option<(f64, usize)>> = (0..network.stations.len())
-        .map(|j| scatter(network, &tests, j))
-        .collect();
-    let ratio = |j: usize| {
-        let others = || {
-            scatters
-                .iter()
-                .enumerate()
-                .filter(|(k, _)| *k != j)
-                .filter_map(|(_, s)| *s)
-        };
-        let mut of_others: Vec<f64> = others().map(|(q, _)| q).collect();
-        let fewest = others().map(|(_, visits)| visits).min().unwrap_or(0);
-        let (Some((own, visits)), Some(usual)) = (scatters[j], median(&mut of_others)) else {
-            return None;
-        };
-        let [visits, fewest] = [visits, fewest].map(|count| count.max(1) as f64);
-        (usual > 0.0).then(|| Ratio {
-            variances: own / usual,
-            u_ln: (2.0 / visits + 2.0 / fewest).sqrt(),
-        })
-    };
-    let none = Ratio {
-        variances: 1.0,
-        u_ln: f64::INFINITY,
-    };
-    (0..scatters.len())
-        .map(|j| ratio(j).unwrap_or(none))
-        .collect()
-}
-
-/// Mean square of the differences of a station, and its visits.
-fn scatter(network: &Network, tests: &Tests, station: usize) -> Option<(f64, usize)> {
+fn scatter(network: &Network, tests: &Tests, station: usize) -> Option<Scatter> {
     let squares = changes(network, station, |readings| {
         readings.map(|i| tests.readings[i].w).collect()
     });
-    let visits = network
+    Some(Scatter {
+        variance: mean_without_jumps(squares)?,
+        visits: visits_of(network, station).count() as f64,
+    })
+}
+
+fn visits_of(network: &Network, station: usize) -> impl Iterator<Item = &Visit> {
+    network
         .visits
         .iter()
-        .filter(|visit| visit.station == station);
-    Some((mean_without_jumps(squares)?, visits.count()))
+        .filter(move |visit| visit.station == station)
 }
 
 /// Squares of how some numbers of a visit change to the next of the station that reads the same points.
@@ -166,11 +141,7 @@ fn changes(
     station: usize,
     of_visit: impl Fn(Range<usize>) -> Vec<f64>,
 ) -> Vec<f64> {
-    let visits = network
-        .visits
-        .iter()
-        .filter(|visit| visit.station == station);
-    let visits: Vec<&Visit> = visits.collect();
+    let visits: Vec<&Visit> = visits_of(network, station).collect();
     let points = |visit: &Visit| {
         network.readings[visit.readings.clone()]
             .iter()

@@ -60,12 +60,14 @@ impl Verified {
             true => point.compensated_um,
             false => point.predicted_um,
         };
-        let is_explained = |factor: f64, is_compensated: bool| {
-            let left = rms(&|p| factor * p.reading_um - predicted(p, is_compensated));
-            // A thousandth of anything is next to nothing: it must be what is predicted, too.
-            left < LEFT * rms(&|p| predicted(p, is_compensated))
+        let left = |factor: f64, is_compensated: bool| {
+            rms(&|p| factor * p.reading_um - predicted(p, is_compensated))
         };
-        let own = rms(&|p| p.reading_um - predicted(p, is_compensated));
+        // A thousandth of anything is next to nothing: it must be what is predicted, too.
+        let is_explained = |factor: f64, is_compensated: bool| {
+            left(factor, is_compensated) < LEFT * rms(&|p| predicted(p, is_compensated))
+        };
+        let own = left(1.0, is_compensated);
         let declared = rms(&|p| p.u_reading_um.unwrap_or(0.0));
         if own < FAR_BELOW * declared || is_explained(1e3, false) {
             return Some(Mistaken::TooSmall);
@@ -73,9 +75,6 @@ impl Verified {
         if self.p_value.is_some() && !self.is_misfit() {
             return None;
         }
-        let explains = |factor: f64, is_compensated: bool| {
-            rms(&|p| factor * p.reading_um - predicted(p, is_compensated)) < LEFT * own
-        };
         let compensation = match is_compensated {
             true => Mistaken::WithoutCompensation,
             false => Mistaken::WithCompensation,
@@ -87,7 +86,8 @@ impl Verified {
             (compensation, 1.0, !is_compensated),
         ];
         let found = all.into_iter().find(|&(mistaken, factor, with)| {
-            explains(factor, with) && (mistaken == compensation || is_explained(factor, with))
+            left(factor, with) < LEFT * own
+                && (mistaken == compensation || is_explained(factor, with))
         });
         found.map(|(mistaken, ..)| mistaken)
     }

@@ -243,15 +243,20 @@ impl<'a> Listed<'a> {
         let is_other = |score: &&Score| !self.candidate(beside, score).hypothesis.is(own);
         let others = others.filter(is_other);
         let rival = |score: &Score| {
-            let candidate = self.candidate(beside, score);
-            let columns = candidate.columns(score.shape);
+            let columns = self.candidate(beside, score).columns(score.shape);
             let other = Fit::new(&beside.model, &columns);
-            is_close(score, &other, &columns).then(|| Rival::Effect {
-                effect: candidate.resolved(&other.estimates, score.shape),
-                delta_bic: score.bic,
-            })
+            is_close(score, &other, &columns).then(|| self.rival(beside, score, &other))
         };
         others.filter_map(rival).collect()
+    }
+
+    /// A scored hypothesis with its fit as a rival.
+    pub(crate) fn rival(&self, beside: &Beside, score: &Score, fit: &Fit) -> Rival {
+        let candidate = self.candidate(beside, score);
+        Rival::Effect {
+            effect: candidate.resolved(&fit.estimates, score.shape),
+            delta_bic: score.bic,
+        }
     }
 }
 

@@ -11,7 +11,7 @@ use trueaxis_poses::{
     CampaignNetwork, Group, LengthCircumstances as Reading, LengthsAdjustment, Method, Observation,
     length_circumstances, network_from_campaign, scene_of, temperature_histories,
 };
-use trueaxis_screening::{Removed, estimate_noise, factors_of_readings, station_factors};
+use trueaxis_screening::{Removed, estimate_noise};
 
 use crate::Error;
 use crate::engine::disturbance::Disturbance;
@@ -19,6 +19,7 @@ use crate::engine::{Suspect, wandered_mm};
 use crate::lengths::adjusted::Adjusted;
 
 use crate::lengths::left_out::LeftOut;
+use crate::lengths::weighed::weigh_stations;
 use crate::selection::{Fit, Hypothesis};
 
 /// The lengths of a campaign, ready to be adjusted.
@@ -90,16 +91,7 @@ impl<'a> Base<'a> {
         let (mut network, kept) = network.without(&numbers);
         let mut start = solve_as_a_set(&mut network, near, &settings)?;
         let declared = campaign.instrument.declares_noise();
-        let factors = station_factors(&network, &start, |network| {
-            let mut solution = solve_from(network, &start, &settings)?;
-            estimate_noise(network, &mut solution, declared, &settings)?;
-            Ok::<Solution, Error>(solution)
-        })?;
-        let uneven: Vec<usize> = (0..factors.len()).filter(|&j| factors[j] > 1.0).collect();
-        if !uneven.is_empty() {
-            network.variance_factors = factors_of_readings(&network, &[], &factors);
-            start = solve_from(&network, &start, &settings)?;
-        }
+        let uneven = weigh_stations(&mut network, &mut start, declared)?;
         let readings = length_circumstances(campaign, lengths, &network, &groups, &kept);
         let times = || readings.iter().map(|r| r.time_s);
         let span_s = [

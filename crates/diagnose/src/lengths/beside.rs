@@ -24,7 +24,7 @@ impl Wanders for Base<'_> {
     fn wanderers(&self) -> Vec<Wanderer> {
         let scene = &self.scene;
         let mut all = vec![(Who::Machine, With::Occupation)];
-        if scene.targets.iter().any(|target| target.carrier.is_none()) {
+        if scene.has_bed_targets() {
             all.push((Who::Tripods, With::Occupation));
         }
         all.push((Who::Air, With::Occupation));
@@ -55,7 +55,7 @@ impl Wanders for Base<'_> {
     }
 
     fn twin(&self, wanderer: Wanderer) -> Option<Wanderer> {
-        let has_bed = self.scene.targets.iter().any(|t| t.carrier.is_none());
+        let has_bed = self.scene.has_bed_targets();
         (wanderer.who == Who::Machine && !has_bed).then_some(Wanderer {
             who: Who::Tripods,
             ..wanderer

@@ -20,12 +20,7 @@ pub(crate) fn add_growth(
     adjusted: &Adjusted,
     found: &mut [Found],
 ) -> Result<(), Error> {
-    if base
-        .scene
-        .targets
-        .iter()
-        .any(|target| target.carrier.is_none())
-    {
+    if base.scene.has_bed_targets() {
         return Ok(());
     }
     for (k, found) in found.iter_mut().enumerate() {

@@ -61,6 +61,16 @@ impl Arrival {
     }
 }
 
+/// For each arrival its number among those in a row that `are_same`.
+pub(crate) fn numbered_in_a_row(
+    arrivals: &[Arrival],
+    are_same: impl FnMut(&Arrival, &Arrival) -> bool,
+) -> Vec<usize> {
+    let rows = arrivals.chunk_by(are_same).enumerate();
+    rows.flat_map(|(number, row)| std::iter::repeat_n(number, row.len()))
+        .collect()
+}
+
 /// Whether a table has a clock; otherwise the numbers of its rows stand for it.
 pub(crate) fn are_timed(readings: &[VerificationReading]) -> bool {
     readings.iter().all(|reading| reading.time_s.is_some())

@@ -11,7 +11,7 @@ use trueaxis_predict::{
     CalibratedMachine, MeasuredPoint, carrier, predicted_reading_um, stands_alike,
 };
 
-use crate::verification::arrivals::{Arrival, are_timed, arrivals, is_same};
+use crate::verification::arrivals::{Arrival, are_timed, arrivals, is_same, numbered_in_a_row};
 
 /// The effect of one axis on another.
 pub(crate) const COUPLING: &str = "cross_coupling";
@@ -76,14 +76,13 @@ impl<'a> Comparison<'a> {
             let at = |arrival: &Arrival| arrival.positions[axis];
             arrivals.iter().any(|a| !is_same(at(a), at(&arrivals[0])))
         });
-        let passes = arrivals.chunk_by(Arrival::is_of_pass).enumerate();
-        let passes = passes.flat_map(|(number, pass)| std::iter::repeat_n(number, pass.len()));
+        let passes = numbered_in_a_row(&arrivals, Arrival::is_of_pass);
         let taken_out = calibration.map_or(&[][..], |own| &own.effects_taken_out);
         let taken_out = taken_out.iter().filter(|own| own.effect == COUPLING);
         let mut comparison = Self {
             machine,
             kind,
-            passes: passes.collect(),
+            passes,
             range: [0.0; 2],
             difference_um: difference.collect(),
             around: around(&points),

@@ -9,6 +9,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use trueaxis_campaign::VerificationKind;
+use trueaxis_effects::LOST_MOTION;
 use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::dense::Svd;
 
@@ -19,12 +20,13 @@ use crate::verification::comparison::Comparison;
 use crate::verification::problem::Problem;
 use crate::{CurvePoint, EstimatedParameter};
 
-/// The effect whose size is such a function.
-pub(crate) const EFFECT: &str = "position_dependent_backlash";
-
 /// Lost motion in all its forms.
-pub(crate) const CONSTANT: &str = "backlash";
-pub(crate) const FORMS: [&str; 2] = [CONSTANT, EFFECT];
+pub(crate) const FORMS: [&str; 2] = LOST_MOTION;
+
+pub(crate) const CONSTANT: &str = FORMS[0];
+
+/// The effect whose size is such a function.
+pub(crate) const EFFECT: &str = FORMS[1];
 
 /// Half waves beside mean and slope up to which each number is tried: of a smooth function.
 const SMOOTH: usize = 6;

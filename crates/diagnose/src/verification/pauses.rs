@@ -48,26 +48,8 @@ pub(crate) fn by_pauses(
     if count(&cycles) < 2 || fit.estimates.len() != straight {
         return ByPauses::default();
     }
-    // Beside the zero of the line, and its scale, the first one has no meaning.
-    let mut offsets: Vec<Vec<f64>> = indicators(&cycles).into_iter().skip(1).collect();
-    if wandering.iter().any(|own| own.wanderer == Wanderer::Scale) {
-        let along = comparison
-            .arrivals
-            .iter()
-            .map(|a| comparison.travelled(a) - 0.5);
-        let along: Vec<f64> = along.collect();
-        let slope = |offset: &Vec<f64>| -> Vec<f64> {
-            offset.iter().zip(&along).map(|(x, q)| x * q).collect()
-        };
-        let slopes: Vec<Vec<f64>> = offsets.iter().map(slope).collect();
-        offsets.extend(slopes);
-    }
-    let offsets: Vec<Vec<f64>> = offsets
-        .iter()
-        .map(|offset| problem.whiten(offset))
-        .collect();
     let paused = Listed {
-        base: listed.base.extended(&offsets),
+        base: listed.base.extended(&offsets(problem, &cycles, wandering)),
         candidates: listed.candidates.clone(),
     };
     let without_time: Vec<Chosen> = causes
@@ -75,23 +57,22 @@ pub(crate) fn by_pauses(
         .filter(|cause| !is_of_time(cause))
         .copied()
         .collect();
-    let sized = |among: &[Chosen]| {
-        let number = among.iter().position(|cause| *cause == causes[k])?;
-        Some((number, paused.sizes(among).swap_remove(number).fit))
-    };
-    let Some((number, all_in_pauses)) = sized(&without_time) else {
+    let place = |among: &[Chosen]| among.iter().position(|cause| *cause == causes[k]);
+    let sized = |among: &[Chosen], place: usize| paused.sizes(among).swap_remove(place).fit;
+    let Some(number) = place(&without_time) else {
         return ByPauses::default();
     };
+    let all_in_pauses = sized(&without_time, number);
     // Beside the slope nothing tells what drifts within the cycles; beside a constant it may be seen.
-    let as_seen = (straight == 1).then(|| sized(causes)).flatten();
+    let as_seen = (straight == 1).then(|| sized(causes, k));
     let u_of = |fit: &Fit, i: usize| (fit.covariance[i * straight + i].max(0.0) * variance).sqrt();
     let shift = |i: usize| {
         let most = match all_in_pauses.seen[i] {
             true => all_in_pauses.estimates[i] - fit.estimates[i],
             false => 0.0,
         };
-        let seen = as_seen.as_ref().filter(|(_, seen)| seen.seen[i]);
-        let bound = seen.map_or(f64::INFINITY, |(_, seen)| {
+        let seen = as_seen.as_ref().filter(|seen| seen.seen[i]);
+        let bound = seen.map_or(f64::INFINITY, |seen| {
             (seen.estimates[i] - fit.estimates[i]).abs() + COVERAGE * u_of(seen, i)
         });
         most.signum() * most.abs().min(bound)
@@ -118,6 +99,26 @@ pub(crate) fn by_pauses(
         rivals,
         shift: (0..straight).map(shift).collect(),
     }
+}
+
+/// An offset of each cycle, whitened, and where the scale wanders a slope: beside those of the line the first one has no meaning.
+fn offsets(problem: &Problem<'_>, cycles: &[usize], wandering: &[FittedProcess]) -> Vec<Vec<f64>> {
+    let comparison = problem.comparison;
+    let mut offsets: Vec<Vec<f64>> = indicators(cycles).into_iter().skip(1).collect();
+    if wandering.iter().any(|own| own.wanderer == Wanderer::Scale) {
+        let slope = |offset: &Vec<f64>| -> Vec<f64> {
+            let arrivals = comparison.arrivals.iter().zip(offset);
+            arrivals
+                .map(|(a, x)| x * (comparison.travelled(a) - 0.5))
+                .collect()
+        };
+        let slopes: Vec<Vec<f64>> = offsets.iter().map(slope).collect();
+        offsets.extend(slopes);
+    }
+    offsets
+        .iter()
+        .map(|offset| problem.whiten(offset))
+        .collect()
 }
 
 impl ByPauses {

@@ -165,12 +165,8 @@ fn lost_motion_beyond_drives(listed: &Listed, judged: &Judged) -> impl Iterator<
         FORMS.contains(&effect(score)) && (is_late || own.evidence - score.evidence < DECISIVE)
     };
     beside.impossible.iter().filter(is_it).map(|score| {
-        let candidate = listed.candidate(beside, score);
-        let fit = Fit::new(&beside.model, &candidate.columns(score.shape));
-        Rival::Effect {
-            effect: candidate.resolved(&fit.estimates, score.shape),
-            delta_bic: score.bic,
-        }
+        let columns = listed.candidate(beside, score).columns(score.shape);
+        listed.rival(beside, score, &Fit::new(&beside.model, &columns))
     })
 }
 

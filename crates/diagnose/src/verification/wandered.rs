@@ -4,9 +4,9 @@ use trueaxis_effects::Level;
 
 use crate::engine::Posterior;
 use crate::selection::{Projection, combined};
+use crate::verification::form::Form;
 use crate::verification::problem::Problem;
 use crate::verification::report::rms_of_readings_um;
-use crate::verification::wanderer::Form;
 use crate::verification::wandering::FittedProcess;
 use crate::{CorrelationLength, CurvePoint, Disturbance, Gain};
 

@@ -21,22 +21,20 @@ use std::f64::consts::TAU;
 
 use trueaxis_effects::{Layer, Level, Subject};
 use trueaxis_kinematics::AxisKind;
-use trueaxis_leastsquares::{half_waves, matern_roots, median};
+use trueaxis_leastsquares::median;
 
 use crate::Wandering;
 use crate::engine::correlation_lengths;
 use crate::selection::Hypothesis;
-use crate::verification::arrivals::Arrival;
+use crate::verification::arrivals::{Arrival, numbered_in_a_row};
 use crate::verification::base::{count, cycles, places};
 use crate::verification::comparison::Comparison;
+use crate::verification::form::{Form, Functions, Pauses};
 use crate::verification::hypotheses::comes_from_both_sides;
 
 /// Half waves of each coordinate, at most: five times those of the shortest correlation length. What is cut off would be
 /// taken for the course of something else.
 const MOST_WAVES: usize = 40;
-
-/// Standard deviation of what changes between two passes without a clock, in those of the smooth course.
-const BETWEEN_PASSES: f64 = 0.5;
 
 /// Stops of a pass, on average, below which an offset for each would be noise.
 const LEAST_STOPS: usize = 3;
@@ -46,35 +44,6 @@ const MOST_PASSES: usize = 60;
 
 /// Points of a smooth curve.
 const POINTS: u32 = 33;
-
-/// How a course goes on, over its argument from 0 to 1.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Form {
-    /// Matérn's process with this correlation length, and where it goes on in pauses of which nobody knows how long they were.
-    Smooth { length: f64, pauses: Pauses },
-    /// `a sin 2πx/T + b cos 2πx/T` with this period. As a smooth process it would pay for every other course that one so quick
-    /// could take, and what repeats in nearly the time of a cycle would look simpler as an error of the axis.
-    Swing(f64),
-}
-
-impl Form {
-    /// Correlation length, as a part of the range; a quarter of a period leaves nothing alike.
-    pub(crate) fn length(self) -> f64 {
-        match self {
-            Self::Smooth { length, .. } => length,
-            Self::Swing(period) => 0.25 * period,
-        }
-    }
-}
-
-/// Where a course goes on that no reading shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Pauses {
-    Nowhere,
-    /// Between two cycles, or where an instrument was set to zero for the next one; the axis turned at once.
-    BetweenCycles,
-    BetweenPasses,
-}
 
 /// Steps of the number of waves of a swing over the readings: one sixteenth of a wave more or less leaves 98 % of it.
 const WAVE_STEP: f64 = 0.125;
@@ -88,33 +57,6 @@ const FROM_CYCLE: f64 = 0.75;
 
 /// Stops of a period, at least: three of each half, as of the shortest correlation length.
 const STOPS_OF_PERIOD: f64 = 6.0;
-
-/// The functions of which the course of each coordinate consists.
-struct Functions {
-    form: Form,
-    waves: u32,
-    /// Passes, and cycles of more than one, that may have offsets.
-    parts: [usize; 2],
-}
-
-impl Functions {
-    /// What each coefficient is multiplied by at an argument: `cos(πx), cos(2πx), ...` or sine and cosine of a swing from their means,
-    /// and where pauses are unknown one for the pass and one for the cycle.
-    fn at(&self, x: f64, part: [usize; 2]) -> Vec<f64> {
-        let mut all: Vec<f64> = match self.form {
-            Form::Smooth { .. } => half_waves(x, self.waves).collect(),
-            Form::Swing(period) => {
-                let turn = TAU / period;
-                let (sine, cosine) = (turn * x).sin_cos();
-                vec![sine - (1.0 - turn.cos()) / turn, cosine - turn.sin() / turn]
-            }
-        };
-        for (count, own) in self.parts.into_iter().zip(part) {
-            all.extend((0..count).map(|k| f64::from(u8::from(k == own))));
-        }
-        all
-    }
-}
 
 /// What wanders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -253,7 +195,7 @@ impl Wanderer {
         if !self.is_of_time() || comparison.timed || !has_stops || passes > MOST_PASSES {
             return [0, 0];
         }
-        let cycles = count(&cycles_in_a_row(comparison));
+        let cycles = count(&numbered_in_a_row(&comparison.arrivals, is_of_cycle));
         [passes, if cycles < passes { cycles } else { 0 }]
     }
 
@@ -285,24 +227,9 @@ impl Wanderer {
         }
     }
 
-    /// Standard deviations of the coefficients, coordinate after coordinate; `S_k^½` of the waves.
+    /// Standard deviations of the coefficients, coordinate after coordinate.
     pub(crate) fn roots(self, comparison: &Comparison<'_>, form: Form) -> Vec<f64> {
-        let mut roots = match form {
-            Form::Smooth { length, .. } => {
-                matern_roots(length, self.waves(comparison))[1..].to_vec()
-            }
-            Form::Swing(_) => vec![1.0; 2],
-        };
-        let between = match form {
-            Form::Smooth { pauses, .. } => {
-                [Pauses::BetweenPasses, Pauses::BetweenCycles].map(|own| own == pauses)
-            }
-            Form::Swing(_) => [false; 2],
-        };
-        for (count, is_there) in self.parts(comparison).into_iter().zip(between) {
-            let root = if is_there { BETWEEN_PASSES } else { 0.0 };
-            roots.extend(std::iter::repeat_n(root, count));
-        }
+        let roots = self.functions(comparison, form).roots();
         roots.repeat(self.seen(comparison, 0).len())
     }
 
@@ -386,23 +313,13 @@ impl Wanderer {
 
 /// For each arrival the number of its pass, and of its cycle among those that follow each other.
 fn parts(comparison: &Comparison<'_>) -> Vec<[usize; 2]> {
-    let cycles = cycles_in_a_row(comparison).into_iter();
-    comparison
-        .passes
-        .iter()
-        .zip(cycles)
-        .map(|(&pass, cycle)| [pass, cycle])
-        .collect()
+    let cycles = numbered_in_a_row(&comparison.arrivals, is_of_cycle);
+    let parts = comparison.passes.iter().zip(cycles);
+    parts.map(|(&pass, cycle)| [pass, cycle]).collect()
 }
 
-/// For each arrival the number of the arrivals in a row that are of one cycle.
-fn cycles_in_a_row(comparison: &Comparison<'_>) -> Vec<usize> {
-    let rows = comparison
-        .arrivals
-        .chunk_by(|a, b| a.cycle == b.cycle)
-        .enumerate();
-    rows.flat_map(|(number, row)| std::iter::repeat_n(number, row.len()))
-        .collect()
+fn is_of_cycle(a: &Arrival, b: &Arrival) -> bool {
+    a.cycle == b.cycle
 }
 
 /// From the start of a cycle to that of the next, the pause between them included, as a part of the time of all readings (median).

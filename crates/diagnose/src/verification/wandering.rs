@@ -6,10 +6,11 @@ use crate::Rival;
 use crate::engine::{Candidate, Chosen, Posterior, SMOOTH_LEVEL, Smooth, without};
 use crate::selection::{ALIKE, DECISIVE, Fit, Hypothesis, Projection, by_evidence, ln_f_test};
 use crate::verification::comparison::COUPLING;
+use crate::verification::form::Form;
 use crate::verification::lost_motion::beyond_drives;
 use crate::verification::problem::Problem;
 use crate::verification::wandered::curve;
-use crate::verification::wanderer::{Form, Wanderer, wanderers};
+use crate::verification::wanderer::{Wanderer, wanderers};
 
 /// More that wander at once cannot be separated.
 const MOST: usize = 2;

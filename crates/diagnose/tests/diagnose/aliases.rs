@@ -1,41 +1,11 @@
 //! What other causes imitate exactly, or nearly.
 
 use rand_distr::{Distribution, StandardNormal};
-use trueaxis_campaign::Verification;
 use trueaxis_diagnose::{Cause, Diagnosis, Verdict};
 
 use crate::counts::summary;
-use crate::iso_run::{Place, table};
+use crate::iso_run::{STOP_S, STOPS, there_and_back as line};
 use crate::{found, generator};
-
-const STOPS: usize = 11;
-const STOP_S: f64 = 10.0;
-
-/// Cycles over so many millimetres, each pass after the other; what is read at each.
-fn line(
-    (cycles, range_mm, timed): (usize, f64, bool),
-    pause_s: f64,
-    read_um: impl FnMut(&Place) -> f64,
-) -> Verification {
-    let mut places = Vec::new();
-    for row in 0..2 * STOPS * cycles {
-        let (pass, k) = (row / STOPS, row % STOPS);
-        let forward = pass % 2 == 0;
-        let step = if forward { k } else { STOPS - 1 - k };
-        places.push(Place {
-            time_s: STOP_S * row as f64 + pause_s * (pass / 2) as f64,
-            cycle: 1 + u32::try_from(pass / 2).unwrap(),
-            forward,
-            step,
-            x_mm: range_mm * step as f64 / (STOPS - 1) as f64,
-            parked: 0,
-            y_mm: 0.0,
-            speed: 0.0,
-        });
-    }
-    let values: Vec<f64> = places.iter().map(read_um).collect();
-    table(&places, &values, timed)
-}
 
 fn is_lost_motion(cause: &&Cause) -> bool {
     cause.effect.effect.id.contains("backlash")

@@ -65,6 +65,38 @@ pub(crate) fn places(cycles: u32, parked_mm: &[f64], speeds: &[f64]) -> Vec<Plac
     places
 }
 
+/// Seconds from one reading to the next of [`there_and_back`].
+pub(crate) const STOP_S: f64 = 10.0;
+/// Positions of it.
+pub(crate) const STOPS: usize = 11;
+
+/// Cycles there and back over so many millimetres with a pause after each, with a clock or in the order of measuring; what is
+/// read at each place.
+pub(crate) fn there_and_back(
+    (cycles, range_mm, timed): (u32, f64, bool),
+    pause_s: f64,
+    read_um: impl FnMut(&Place) -> f64,
+) -> Verification {
+    let mut places = Vec::new();
+    for row in 0..2 * STOPS * cycles as usize {
+        let (pass, k) = (row / STOPS, row % STOPS);
+        let forward = pass % 2 == 0;
+        let step = if forward { k } else { STOPS - 1 - k };
+        places.push(Place {
+            time_s: STOP_S * row as f64 + pause_s * (pass / 2) as f64,
+            cycle: 1 + u32::try_from(pass / 2).unwrap(),
+            forward,
+            step,
+            x_mm: range_mm * step as f64 / (STOPS - 1) as f64,
+            parked: 0,
+            y_mm: 0.0,
+            speed: 0.0,
+        });
+    }
+    let values: Vec<f64> = places.iter().map(read_um).collect();
+    table(&places, &values, timed)
+}
+
 /// A positioning curve: bends and bumps, µm.
 pub(crate) fn curve_um(generator: &mut ChaCha8Rng) -> Vec<f64> {
     let [scale, bow, wave]: [f64; 3] = std::array::from_fn(|_| generator.random_range(-4.0..4.0));

@@ -6,33 +6,14 @@ use trueaxis_diagnose::{Cause, Diagnosis, Rival};
 use trueaxis_effects::Layer;
 
 use crate::counts::summary;
-use crate::iso_run::{Place, table};
+use crate::iso_run::{Place, STOP_S, STOPS, there_and_back};
 use crate::{found, generator};
 
 const CYCLES: u32 = 5;
-const STOPS: usize = 11;
-const STOP_S: f64 = 10.0;
 
-/// Cycles over 400 mm with a pause after each, with a clock or in the order of measuring; what is read at each.
-fn line(pause_s: f64, timed: bool, mut read_um: impl FnMut(&Place) -> f64) -> Verification {
-    let mut places = Vec::new();
-    for row in 0..2 * STOPS * CYCLES as usize {
-        let (pass, k) = (row / STOPS, row % STOPS);
-        let forward = pass % 2 == 0;
-        let step = if forward { k } else { STOPS - 1 - k };
-        places.push(Place {
-            time_s: STOP_S * row as f64 + pause_s * (pass / 2) as f64,
-            cycle: 1 + u32::try_from(pass / 2).unwrap(),
-            forward,
-            step,
-            x_mm: 40.0 * step as f64,
-            parked: 0,
-            y_mm: 0.0,
-            speed: 0.0,
-        });
-    }
-    let values: Vec<f64> = places.iter().map(&mut read_um).collect();
-    table(&places, &values, timed)
+/// Five cycles over 400 mm.
+fn line(pause_s: f64, timed: bool, read_um: impl FnMut(&Place) -> f64) -> Verification {
+    there_and_back((CYCLES, 400.0, timed), pause_s, read_um)
 }
 
 fn lost_motion(found: &Diagnosis) -> &Cause {
