@@ -164,6 +164,7 @@ pub(crate) fn calibrate_as_given<'a>(
         factors,
         covariance,
         misfits: measured.misfits.clone(),
+        turned_runs: measured.turned_runs.clone(),
         known_misfits: measured.known_misfits().to_vec(),
         residuals,
         triangle: triangle(&context, &targets_mm, measured.point_variance_mm2),

@@ -116,7 +116,7 @@ impl AxisSpec {
             },
             direction: axis.direction().into_inner().into(),
             travel: axis.travel().map(|end| position_unit::in_file(kind, end)),
-            position_mm: (kind == AxisKind::Rotary).then(|| axis.reference_mm().coords.into()),
+            position_mm: (kind == AxisKind::Rotary).then(|| axis.point_mm().coords.into()),
             expansion_ppm_per_k: None,
             temperature_column: None,
             temperature_sigma_k: None,

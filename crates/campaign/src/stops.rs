@@ -129,15 +129,9 @@ impl<'a> StopReader<'a> {
         Ok(())
     }
 
-    /// A target on the bed is read from a station, and in no run.
+    /// A target on the bed is read in no run.
     fn check_is_beside_runs(&self, row: &Row<'_>, target: usize) -> Result<(), Error> {
         let name = self.target.1.name(target);
-        if self.station.is_none() {
-            let found = format!("target `{name}`, which stands on the bed (`carried_by` null)");
-            let expected =
-                "a target that an axis carries: points on the bed say nothing about the machine";
-            return Err(Problem::value(found, expected).at(row.place(self.target.0)));
-        }
         for (column, what) in [(self.run.0, "run"), (self.direction, "direction")] {
             if !row.cell(column).is_empty() {
                 let cell = String::from_utf8_lossy(row.cell(column));

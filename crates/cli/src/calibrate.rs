@@ -6,6 +6,7 @@ use trueaxis_calibrate::{
     calibrate_with_effects,
 };
 use trueaxis_campaign::{checksums, read};
+use trueaxis_diagnose::{Rejected, without_wrong_points};
 use trueaxis_poses::{at_one_temperature, scene_of};
 use trueaxis_predict::{FactoredCovariance, OutputCovariance};
 
@@ -22,11 +23,20 @@ const COVARIANCE_INDEX: &str = "covariance.json";
 const RELIABILITY_INDEX: &str = "reliability.json";
 
 pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
-    let campaign = read(&args.campaign)?;
+    let mut campaign = read(&args.campaign)?;
     let settings = Settings {
         covariance: args.covariance,
         ..args.model.settings()
     };
+    let mut left_out = Vec::new();
+    if let Some((kept, wrong)) = settings
+        .robust
+        .then(|| without_wrong_points(&campaign))
+        .flatten()
+    {
+        campaign = kept;
+        left_out.extend(wrong.iter().map(point_left_out));
+    }
     let in_file = || args.campaign.display().to_string();
     let mut extra = Vec::new();
     let mut checked = Vec::new();
@@ -60,6 +70,7 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     let mut results = args.result.folder(&campaign.name)?;
     let lines = summary::lines(&campaign, &calibration, args.paper_signs);
     let is_rejected = rejects_the_model(&calibration);
+    calibration.notices.splice(0..0, left_out);
     let notices = [&campaign.notices, &calibration.notices, &of_effects].map(Vec::as_slice);
     let mut notices = notices.concat();
     // Where the first result cannot be written, none is.
@@ -102,9 +113,17 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     Ok(Exit::of_misfit(args.fail_on_misfit && is_rejected))
 }
 
+fn point_left_out(wrong: &Rejected) -> String {
+    format!(
+        "{} line {}: left out; off by {:.1} µm (u = {:.1} µm): {}",
+        wrong.file, wrong.row, wrong.error_um, wrong.u_um, wrong.reason
+    )
+}
+
 fn rejects_the_model(calibration: &Calibration) -> bool {
     calibration.adjustment.p_value < MISFIT_LEVEL
         || !calibration.misfits.is_empty()
         || !calibration.known_misfits.is_empty()
+        || !calibration.turned_runs.is_empty()
         || calibration.axes.iter().any(|axis| axis.runs.is_some())
 }

@@ -26,6 +26,7 @@ mod output;
 mod predict;
 mod progress;
 mod report;
+mod reversal;
 mod schema;
 mod simulate;
 mod summary;

@@ -15,6 +15,8 @@ use trueaxis_predict::{Output, coverage_factor};
 
 pub(crate) use adjustment::adjustment;
 
+use crate::reversal::reversal_values;
+
 /// Coverage factor of the uncertainties that people read, if many degrees of freedom stand behind
 /// them.
 const COVERAGE: f64 = 2.0;
@@ -43,6 +45,7 @@ pub(crate) fn lines(
         lines.extend(with_paper_signs(campaign, calibration));
     }
     lines.extend(component_errors(calibration));
+    lines.extend(reversal_values(calibration));
     if matches!(calibration.method, Method::Six(_)) {
         lines.extend(noise_gains(calibration));
     }

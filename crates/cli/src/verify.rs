@@ -91,7 +91,8 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
         range(|p| p.compensated_um),
     ));
     let [without, with] = [range(|p| p.predicted_um), range(|p| p.compensated_um)];
-    if with > without {
+    // More than the last digit shows.
+    if with > without + 0.005 {
         lines.push(
             "                       compensation corrects the tool against the workpiece; seen from where this reads, the axis then moves more"
                 .to_owned(),

@@ -10,7 +10,7 @@ use crate::changes::changes;
 use crate::components::diagnose_components;
 use crate::lengths::{diagnose_lengths, scene};
 use crate::points::diagnose_points;
-use crate::runs::diagnose_runs;
+use crate::runs::{contradicting_runs, diagnose_runs};
 use crate::said::{Entry, Said};
 use crate::verification::diagnose_verification;
 use crate::{Cause, Diagnosis, Error, Settings, Unexplained, Verdict};
@@ -253,6 +253,8 @@ fn with_points(
             }
         }
     }
+    said.entries
+        .extend(diagnosis.calibration.as_ref().and_then(contradicting_runs));
     diagnosis.take(said);
     Ok(())
 }

@@ -97,6 +97,8 @@ pub struct LevelReport {
     pub data: String,
     /// Standard deviation of one reading as the repeats show it, µm.
     pub noise_floor_um: f64,
+    /// Of verification readings the standard uncertainty of their prediction by the calibration, rms, µm.
+    pub prediction_u_um: Option<f64>,
     /// Misfit of the rigid, quasi-static model.
     pub before: Misfit,
     /// Misfit with the causes in the model.
@@ -117,7 +119,7 @@ pub struct LevelReport {
 
 /// Rms of measured minus predicted for one degree of freedom, µm: weighted with the noise, its
 /// correlation within a stop included, and scaled so that noise alone gives the standard deviation of one
-/// reading.
+/// reading; the error of the prediction of a verification is in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Misfit {
     /// In the data that the model was fitted to.

@@ -56,6 +56,7 @@ mod wandered;
 pub(crate) mod wandering;
 
 pub(crate) use accidents::{first_lines, most};
+pub(crate) use between::golden_section;
 pub(crate) use candidate::{Candidate, Finer};
 pub(crate) use competition::{
     Candidates, Competed, add_rival_disturbances, compete, only_wandering, settled,

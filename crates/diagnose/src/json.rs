@@ -120,6 +120,8 @@ struct LevelFile<'a> {
     level: &'static str,
     data: &'a str,
     noise_floor_um: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    prediction_u_um: Option<f64>,
     before: MisfitFile,
     after: MisfitFile,
     gain: Option<GainFile>,
@@ -176,6 +178,7 @@ fn level(level: &LevelReport) -> LevelFile<'_> {
         level: level.level.name(),
         data: &level.data,
         noise_floor_um: um(level.noise_floor_um),
+        prediction_u_um: level.prediction_u_um.map(um),
         before: misfit(&level.before),
         after: misfit(&level.after),
         gain: level.gain.as_ref().map(gain),

@@ -52,5 +52,6 @@ pub use diagnosis::{
 pub use disturbance::{CorrelationLength, CurvePoint, Disturbance, Wandering};
 pub use error::Error;
 pub use fitted::{Against, Fitted, FittedPoint};
+pub use points::without_wrong_points;
 pub use selection::Shares;
 pub use settings::Settings;

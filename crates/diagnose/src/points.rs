@@ -18,6 +18,7 @@
 //! - [`noise`], [`model`], [`variances`]: whitening stop by stop, elimination of the poses, restricted maximum
 //!   likelihood, where the residuals demand it with unlike variances in three directions.
 //! - [`gross_errors`]: points that contradict all others leave, before the search and beside its causes.
+//! - [`mod@wrong_points`]: those that `calibrate` leaves out, too.
 //! - [`doubted`]: whether too many contradict the others for that.
 //! - [`measured`]: what the search for causes ([`crate::engine`]) asks of them. A frame that moves as a whole cannot be
 //!   told from a machine that does: such twins are always given together.
@@ -42,5 +43,7 @@ mod readings;
 mod report;
 mod screened;
 mod variances;
+mod wrong_points;
 
 pub(crate) use report::diagnose_points;
+pub use wrong_points::without_wrong_points;

@@ -6,6 +6,7 @@
 //! the whole calibration ([`trueaxis_calibrate::Responses::of_runs_to`]): the runs of other axes, which tell
 //! how the base stands, see the effect as well.
 
+mod contradicting;
 mod fitted;
 mod hypotheses;
 mod search;
@@ -17,6 +18,7 @@ use trueaxis_leastsquares::chi_squared_upper_tail;
 use trueaxis_poses::EffectsOnLengths;
 
 use crate::engine::{Judged, Listed};
+pub(crate) use crate::runs::contradicting::contradicting_runs;
 use crate::runs::fitted::fitted;
 use crate::runs::hypotheses::{candidates, not_observable};
 use crate::runs::search::{rivals, search};
@@ -176,6 +178,7 @@ fn compared(
             level: Level::Lengths,
             data: in_words(scene, comparisons),
             noise_floor_um: sigma_um,
+            prediction_u_um: None,
             before: misfit(base),
             after: misfit(&after),
             gain: None,

@@ -37,7 +37,7 @@ pub(crate) use fixed_scan::{FixedScan, middle};
 pub(crate) use gram::{Gram, restricted_likelihood};
 pub(crate) use gram_matrix::{gram as gram_of, gram_matrix};
 pub(crate) use null::Null;
-pub(crate) use projection::{Projection, add, combined};
+pub(crate) use projection::{Projection, add, combined, lengths_beside_earlier};
 pub(crate) use rivals::{ALIKE, DECISIVE, Fit, cosine, is_rival};
 pub(crate) use scan::{Hypothesis, Scan};
 pub(crate) use score::{EQUAL, Score, best_shape, by_evidence, mean_evidence, rank};

@@ -7,18 +7,18 @@
 //! Readings are taken once ([`mod@given_once`]) and in the order of measuring ([`order`]). Each verification of the campaign is first
 //! judged by itself ([`mod@series`]): the prediction ([`comparison`]) with its own
 //! errors ([`prediction_error`]), what the measurement leaves open ([`base`]), the noise that the repeats
-//! show ([`noise_floor`]), causes one at a time ([`search`]), whether they help on readings that were not
+//! show ([`noise_floor`]) and whether that of neighbours is alike ([`mod@autocorrelation`]), causes one at a time ([`search`]), whether they help on readings that were not
 //! used ([`held_out`]), what wanders beside them or instead of them ([`wandering`], [`competition`],
 //! [`mod@described`]), what else explains as much ([`instead`]), and whether anything is left ([`omnibus`]). Then all together ([`together`]): what the machine does in one line it does in the
 //! others, with one size. The paper's Figs. 10, 12 and 16 are this comparison.
 //!
 //! Without a calibration the prediction is an ideal machine; a line then tells what differs between
-//! directions, cycles and lines, but not what its mean curve is made of. Arrivals are taken as
-//! independent.
+//! directions, cycles and lines, but not what its mean curve is made of.
 
 mod alike;
 mod another_curve;
 mod arrivals;
+mod autocorrelation;
 pub(crate) mod base;
 mod believed;
 pub(crate) mod comparison;
@@ -61,6 +61,7 @@ mod units;
 mod wandered;
 mod wanderer;
 mod wandering;
+mod whitening;
 
 use trueaxis_campaign::{Campaign, Verification};
 use trueaxis_effects::Scene;
@@ -70,6 +71,7 @@ use trueaxis_predict::{CalibratedMachine, GIVE_COMMANDED, are_read_out};
 use crate::components::diagnose_line_curve;
 use crate::said::Said;
 use crate::verification::alike::alike_scales;
+use crate::verification::autocorrelation::{Noise, alike_neighbours};
 use crate::verification::base::base_columns;
 use crate::verification::comparison::{Comparison, TIMESTAMP_OFFSET};
 use crate::verification::copied::copied;
@@ -244,12 +246,13 @@ fn judged<'a>(
         hidden_um(resolution_um, scatter_um, repeats(comparison))
     });
     let floor_um = scatter_um.map(|scatter_um| scatter_um.max(resolution_um).hypot(hidden_um));
-    let posed = |sigma_um: f64| {
+    let posed = |sigma_um: f64, correlation: f64| {
         let directions = calibration.map(|c| prediction_directions(&[comparison], c, sigma_um));
         let given = Given {
             calibrated: calibration.is_some(),
             level: asked.level,
             sigma_um,
+            correlation,
             resolution_um,
             hidden_um,
             base: &base,
@@ -270,7 +273,7 @@ fn judged<'a>(
     let is_explained = curve.is_some();
     outcome.curves.extend(curve.into_iter().flatten());
     // Without repeats the base model's misfit stands for the noise at first.
-    let plain = posed(floor_um.unwrap_or(1.0));
+    let plain = posed(floor_um.unwrap_or(1.0), 0.0);
     if plain.listed.base.degrees_of_freedom < LEAST_DEGREES_OF_FREEDOM {
         let are_read_out =
             comparison.line().is_some() && are_read_out(&comparison.positions(comparison.axis()));
@@ -290,9 +293,28 @@ fn judged<'a>(
         // Then what is left with the causes in the model.
         for _ in 0..2 {
             let left_um = found.left_um().max(resolution_um);
-            found = Series::new(name, posed(left_um));
+            found = Series::new(name, posed(left_um, 0.0));
         }
         found.noise_floor_um = found.left_um().max(resolution_um);
+    }
+    // Less noise than the last digit is alike for its own reasons.
+    let correlated = match hidden_um > 0.0 {
+        true => None,
+        false => alike_neighbours(
+            &found,
+            |Noise {
+                 sigma_um,
+                 correlation,
+             }| { Series::new(name, posed(sigma_um.max(resolution_um), correlation)) },
+        ),
+    };
+    if let Some(correlated) = correlated {
+        found = correlated;
+        outcome.notices.push(format!(
+            "{name}: errors of neighbouring stops are alike (correlation {:.2}), as in air that stirs; what is stated, and what counts as significant, \
+             takes it into account",
+            found.plain.whitening.correlation
+        ));
     }
     // Late time stamps look like it.
     let mut others = found.model.causes.clone();

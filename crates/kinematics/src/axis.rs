@@ -53,6 +53,7 @@ pub struct Axis {
     name: String,
     kind: AxisKind,
     direction: Unit<Vector3<f64>>,
+    point_mm: Point3<f64>,
     reference_mm: Point3<f64>,
     travel: [f64; 2],
 }
@@ -126,6 +127,7 @@ impl Axis {
             name: name.to_owned(),
             kind,
             direction,
+            point_mm: reference_mm,
             reference_mm,
             travel,
         })
@@ -164,6 +166,11 @@ impl Axis {
     /// Reference point of δ at home, mm; for a rotary axis a point on its nominal axis.
     pub fn reference_mm(&self) -> Point3<f64> {
         self.reference_mm
+    }
+
+    /// The point that a rotary axis is given by, whatever the reference point of its δ is, mm; the origin for a linear one.
+    pub fn point_mm(&self) -> Point3<f64> {
+        self.point_mm
     }
 
     /// Lowest and highest position, mm or rad.

@@ -62,7 +62,7 @@ pub use missing::missing;
 pub use poses::{PoseNoise, PoseObservation, Poses, TargetBody, ThroughSources, turned_about};
 pub use report::{
     AdjustmentReport, InterruptedOccupation, KnownMisfit, NoiseReport, PartReport, RejectedLength,
-    StepMisfit,
+    StepMisfit, TurnedRuns,
 };
 pub use residual::Residual;
 pub use settings::{Method, Settings};

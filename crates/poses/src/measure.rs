@@ -10,9 +10,10 @@ use crate::Error;
 use crate::lengths::{LengthsAdjustment, ReflectorConstant, ScaleResult};
 use crate::points::equations::{PointEquations, PointPoses, poses_from_points};
 use crate::points::report::points_report;
+use crate::points::turned_runs::turned_runs;
 use crate::points::{MeasuredPoints, points_from_coordinates, rigidity};
 use crate::poses::{PoseNoise, Poses};
-use crate::report::{AdjustmentReport, KnownMisfit, StepMisfit};
+use crate::report::{AdjustmentReport, KnownMisfit, StepMisfit, TurnedRuns};
 use crate::residual::Residual;
 use crate::settings::{Method, Settings};
 
@@ -27,6 +28,8 @@ pub struct MeasuredPoses<'a> {
     pub adjustment: AdjustmentReport,
     /// Steps whose targets do not move as a rigid body.
     pub misfits: Vec<StepMisfit>,
+    /// Runs that see the stage turned against each other where all axes stand alike; sought among measured points.
+    pub turned_runs: Vec<TurnedRuns>,
     /// Largest variance of a coordinate of a point at the first step, mm²; `None` where there are no points.
     pub point_variance_mm2: Option<f64>,
     /// The noise that the poses of the joint adjustment would have by equations; `None` for other methods and
@@ -119,6 +122,7 @@ fn from_lengths<'a>(
         poses,
         adjustment,
         misfits,
+        turned_runs: Vec::new(),
         point_variance_mm2,
         by_equations,
         lengths: Some(lengths),
@@ -184,7 +188,7 @@ fn from_points<'a>(
         found.poses.relative_covariance = relative_covariance;
     }
     let mut point_residuals = found.equations.residuals(&points);
-    let (adjustment, notices) = points_report(
+    let (adjustment, mut notices) = points_report(
         campaign,
         settings.by_direction,
         &points,
@@ -198,6 +202,9 @@ fn from_points<'a>(
     }
     let misfits = rigidity::misfits(campaign, &found, adjustment.noise_declared);
     found.poses.follow(&adjustment);
+    let noise_dof = adjustment.degrees_of_freedom;
+    let turned_runs = turned_runs(campaign, &found.poses, noise_dof);
+    notices.extend(turned_runs.iter().map(TurnedRuns::in_words));
     // What is drawn from it, too.
     let factor = adjustment.uncertainty_factor.powi(2);
     points.noise.own.iter_mut().for_each(|own| *own *= factor);
@@ -207,6 +214,7 @@ fn from_points<'a>(
         poses: found.poses,
         adjustment,
         misfits,
+        turned_runs,
         point_variance_mm2: Some(points.noise.largest_variance_mm2()),
         by_equations: None,
         lengths: None,

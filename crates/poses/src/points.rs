@@ -7,6 +7,7 @@ mod repeats;
 pub(crate) mod report;
 mod residuals;
 pub(crate) mod rigidity;
+pub(crate) mod turned_runs;
 
 pub(crate) use coordinates::points_from_coordinates;
 pub(crate) use measured::{GroupReading, MeasuredPoints, PointGroup, PointNoise};

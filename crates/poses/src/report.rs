@@ -1,6 +1,8 @@
 //! What a measurement says about itself and its noise.
 
+use nalgebra::Vector3;
 use trueaxis_campaign::Campaign;
+use trueaxis_kinematics::ARCSEC;
 use trueaxis_screening::{NoiseBasis, PartEstimate};
 
 /// What the measurement says about itself.
@@ -120,6 +122,43 @@ pub struct StepMisfit {
     pub degrees_of_freedom: usize,
     /// Probability of one as large if the targets are rigid.
     pub p_value: f64,
+}
+
+/// Two runs that see the stage turned against each other at a position of all axes that they share.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TurnedRuns {
+    /// Their names.
+    pub runs: [String; 2],
+    /// Where, as the first run has it.
+    pub at: String,
+    /// How far the second is turned against the first about the reference axes, rad.
+    pub turned_rad: Vector3<f64>,
+    /// Standard uncertainties.
+    pub u_rad: Vector3<f64>,
+    /// `θᵀ C⁻¹ θ`, with three degrees of freedom.
+    pub chi_squared: f64,
+    /// Probability of one as large if nothing moved between the runs.
+    pub p_value: f64,
+}
+
+impl TurnedRuns {
+    /// What a user must know of it.
+    pub fn in_words(&self) -> String {
+        let [a, b] = &self.runs;
+        let parts = ["A", "B", "C"]
+            .iter()
+            .zip(self.turned_rad.iter().zip(&self.u_rad));
+        let parts = parts.map(|(name, (value, u))| {
+            format!("{name} {:+.1} ± {:.1}″", value / ARCSEC, u / ARCSEC)
+        });
+        format!(
+            "runs {a} and {b} see the stage turned against each other where all axes stand alike ({}): {} (u); the instrument was moved or \
+             turned between them, or the machine shifted, and the angles between their lines (squareness, axis locations) are wrong by as \
+             much, which their U does not contain",
+            self.at,
+            parts.collect::<Vec<_>>().join(", ")
+        )
+    }
 }
 
 /// Something known, a dead path or a length, that contradicts the lengths.

@@ -13,32 +13,30 @@
 //! ends. Outside its steps an axis has the errors of the last.
 //!
 //! The polynomial amplifies noise by the ratio of distances: of two steps 0.5 mm apart beside one at 50 mm it makes a
-//! hundredfold. Steps that nearly coincide, as those of two runs of an axis may, are therefore one *knot*: at their mean
-//! position, with the mean of their errors, so that the curve stays continuous and linear in the data and its uncertainty
-//! follows. No gap between neighbouring knots is smaller than a quarter of another in the same polynomial ([`NEAR`]). Steps
-//! of equal distance are knots of their own.
+//! hundredfold. It therefore goes through *knots* ([`crate::knots`]): steps that are much nearer to each other than to the others, as
+//! those of two runs of an axis may be, are one at their mean position with the mean of their errors. What the polynomial leaves of the
+//! error of each of these steps, `r_j = f_j - p(q_j)`, is added in proportion to the distance, from the step before it to the step after
+//! it, so that the curve goes through every step, is continuous and linear in the data, and amplifies no noise.
 
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
-use std::slice;
 
 use trueaxis_campaign::Direction;
 use trueaxis_kinematics::AxisKind;
 
 use crate::interpolation::{Node, sides_of};
+use crate::knots::{
+    DividedDifference, Knot, Step, divided_difference, gaps, lagrange, well_apart, with_other_turns,
+};
 
 /// Steps that take part in the polynomial.
-const MOST_STEPS: usize = 4;
+pub(crate) const MOST_STEPS: usize = 4;
 
 /// A gap that is larger than the largest between steps by no more than this factor closes a turn.
 const CLOSING_GAP: f64 = 1.5;
 
 /// Positions this close are one, mm or rad: files round degrees to 1e-9.
 const SAME: f64 = 1e-9;
-
-/// Steps whose distance is less than this part of another in the same polynomial are one knot: then the uncertainty half way
-/// is at most 1.4 times that of a step, and five times in the first gap, if the others are as short as they may be.
-const NEAR: f64 = 0.25;
 
 /// The steps of an axis, on each side of approach.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,9 +57,6 @@ pub(crate) struct Sample {
     pub(crate) is_below: bool,
 }
 
-/// A divided difference as a function of the nodes, which it is over.
-pub(crate) type DividedDifference = Vec<(usize, f64)>;
-
 #[derive(Debug, Clone, PartialEq)]
 struct Side {
     /// Side of approach, where kept apart.
@@ -73,14 +68,8 @@ struct Side {
     order: usize,
     /// All steps, in order.
     steps: Vec<f64>,
-}
-
-/// A step, or steps that nearly coincide.
-#[derive(Debug, Clone, PartialEq)]
-struct Knot {
-    /// The mean of its steps.
-    position: f64,
-    nodes: Vec<usize>,
+    /// The steps of the knots, in order, and whether the knot has others.
+    of_knots: Vec<(Step, bool)>,
 }
 
 impl Curve {
@@ -89,11 +78,11 @@ impl Curve {
         let of_side = |side| {
             let numbered = nodes.iter().enumerate();
             let own = numbered.filter(|(_, node)| node.direction == side);
-            let knots = own.map(|(number, node)| Knot {
-                position: node.position,
-                nodes: vec![number],
+            let steps = own.map(|(node, at)| Step {
+                position: at.position,
+                node,
             });
-            Side::new(kind, side, knots.collect())
+            Side::new(kind, side, steps.collect())
         };
         Self {
             sides: sides_of(nodes).into_iter().map(of_side).collect(),
@@ -227,8 +216,8 @@ impl Curve {
 
 impl Side {
     /// Of its steps, in order.
-    fn new(kind: AxisKind, direction: Option<Direction>, steps: Vec<Knot>) -> Self {
-        let positions: Vec<f64> = steps.iter().map(|knot| knot.position).collect();
+    fn new(kind: AxisKind, direction: Option<Direction>, steps: Vec<Step>) -> Self {
+        let positions: Vec<f64> = steps.iter().map(|step| step.position).collect();
         let [first, last] = ends(&positions);
         let mut knots = well_apart(steps);
         let count = knots.len();
@@ -238,10 +227,15 @@ impl Side {
             && count > MOST_STEPS
             && closing_gap <= CLOSING_GAP * largest_gap;
         if is_closed {
-            knots = with_other_turns(&knots, NEAR * largest_gap);
+            knots = with_other_turns(&knots, largest_gap);
         }
+        let of_knots = knots.iter().flat_map(|knot| {
+            let has_others = knot.steps.len() > 1;
+            knot.steps.iter().map(move |step| (*step, has_others))
+        });
         Self {
             direction,
+            of_knots: of_knots.collect(),
             knots,
             is_closed,
             // One step fewer than there are, so that one can be left out; two always make a line.
@@ -263,35 +257,53 @@ impl Side {
         if beyond > 0.0 {
             position = position.clamp(first, last);
         }
-        let above = self.knots.partition_point(|knot| knot.position < position);
-        let neighbours = self.knots[above.saturating_sub(1)..].iter().take(2);
-        let distance = |knot: &Knot| (knot.position - position).abs();
-        let nearest = neighbours.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let Some(nearest) = nearest else {
+        if self.knots.is_empty() {
             return Sample {
                 beyond: f64::INFINITY,
                 ..Sample::default()
             };
-        };
-        let beyond = if beyond > SAME { beyond } else { 0.0 };
-        if distance(nearest) <= SAME || self.knots.len() == 1 {
-            return Sample {
-                weights: of_nodes(slice::from_ref(nearest), |_| 1.0),
-                remainder: 0.0,
-                beyond,
-                is_below,
-            };
         }
-        let start = above.saturating_sub(1).saturating_sub((self.order - 1) / 2);
-        let start = start.min(self.knots.len() - self.order);
-        let stencil = &self.knots[start..start + self.order];
-        let distances = stencil.iter().map(distance);
+        let distances = self.stencil(position).iter().map(|k| k.distance(position));
+        let remainder: f64 = distances.product();
         Sample {
-            weights: lagrange(stencil, position),
-            remainder: distances.product(),
-            beyond,
+            weights: self.weights(position),
+            remainder: if self.knots.len() > 1 { remainder } else { 0.0 },
+            beyond: if beyond > SAME { beyond } else { 0.0 },
             is_below,
         }
+    }
+
+    /// Of the nodes: the polynomial, and what it leaves of the steps around that share their knot with others.
+    fn weights(&self, position: f64) -> Vec<(usize, f64)> {
+        let above = self
+            .of_knots
+            .partition_point(|(step, _)| step.position < position);
+        let around = &self.of_knots[above.saturating_sub(1)..self.of_knots.len().min(above + 1)];
+        let is_here = |step: &Step| (step.position - position).abs() <= SAME;
+        if let Some((step, _)) = around.iter().find(|(step, _)| is_here(step)) {
+            return vec![(step.node, 1.0)];
+        }
+        let mut weights = lagrange(self.stencil(position), position);
+        let &[below, above] = around else {
+            return weights;
+        };
+        let share = (position - below.0.position) / (above.0.position - below.0.position);
+        for ((step, has_others), share) in [(below, 1.0 - share), (above, share)] {
+            if has_others {
+                let smooth = lagrange(self.stencil(step.position), step.position).into_iter();
+                weights.push((step.node, share));
+                weights.extend(smooth.map(|(node, weight)| (node, -share * weight)));
+            }
+        }
+        collected(weights)
+    }
+
+    /// The knots of the polynomial at a position.
+    fn stencil(&self, position: f64) -> &[Knot] {
+        let above = self.knots.partition_point(|knot| knot.position < position);
+        let start = above.saturating_sub(1).saturating_sub((self.order - 1) / 2);
+        let start = start.min(self.knots.len() - self.order);
+        &self.knots[start..start + self.order]
     }
 
     /// A position, on a closed curve that of the turn which begins with its first step.
@@ -316,90 +328,13 @@ fn ends(steps: &[f64]) -> [f64; 2] {
     [steps.first(), steps.last()].map(|q| q.copied().unwrap_or_default())
 }
 
-/// Distances of neighbouring knots.
-fn gaps(knots: &[Knot]) -> Vec<f64> {
-    let pairs = knots.windows(2);
-    pairs
-        .map(|pair| pair[1].position - pair[0].position)
+/// Each node once.
+fn collected(mut weights: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
+    weights.sort_by_key(|(node, _)| *node);
+    let of_each = weights.chunk_by(|a, b| a.0 == b.0);
+    of_each
+        .map(|own| (own[0].0, own.iter().map(|(_, weight)| weight).sum()))
         .collect()
-}
-
-/// Makes one of neighbours that nearly coincide, those nearest beside the others first, until none do.
-fn well_apart(mut knots: Vec<Knot>) -> Vec<Knot> {
-    loop {
-        let gaps = gaps(&knots);
-        // The gaps that may be in a polynomial with it.
-        let within = MOST_STEPS - 2;
-        let share = |k: usize| {
-            let around = &gaps[k.saturating_sub(within)..gaps.len().min(k + within + 1)];
-            gaps[k] / around.iter().copied().fold(f64::MIN_POSITIVE, f64::max)
-        };
-        let shares = (0..gaps.len()).map(|k| (k, share(k)));
-        let nearest = shares.min_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((k, _)) = nearest.filter(|&(_, share)| share < NEAR) else {
-            return knots;
-        };
-        let next = knots.remove(k + 1);
-        let knot = &mut knots[k];
-        let share = next.nodes.len() as f64 / (knot.nodes.len() + next.nodes.len()) as f64;
-        knot.position += share * (next.position - knot.position);
-        knot.nodes.extend(next.nodes);
-    }
-}
-
-/// Shares the weights of knots among their steps.
-fn of_nodes(knots: &[Knot], weight: impl Fn(&Knot) -> f64) -> Vec<(usize, f64)> {
-    let shared = knots.iter().flat_map(|knot| {
-        let share = weight(knot) / knot.nodes.len() as f64;
-        knot.nodes.iter().map(move |&node| (node, share))
-    });
-    shared.collect()
-}
-
-/// As many knots of the turns before and after as a polynomial at the ends takes; those of both ends that are nearly at
-/// the same angle are there once.
-fn with_other_turns(knots: &[Knot], near: f64) -> Vec<Knot> {
-    let [first, last] = [&knots[0], &knots[knots.len() - 1]].map(|knot| knot.position);
-    let turned = |by: f64| {
-        knots.iter().map(move |knot| Knot {
-            position: knot.position + by,
-            ..knot.clone()
-        })
-    };
-    let before = turned(-TAU).filter(|knot| knot.position < first - near);
-    let mut before: Vec<Knot> = before.collect();
-    before.drain(..before.len().saturating_sub(MOST_STEPS));
-    let after = turned(TAU).filter(|knot| knot.position > last + near);
-    let after = after.take(MOST_STEPS);
-    before
-        .into_iter()
-        .chain(knots.iter().cloned())
-        .chain(after)
-        .collect()
-}
-
-/// Weights of Lagrange's polynomial.
-fn lagrange(stencil: &[Knot], position: f64) -> Vec<(usize, f64)> {
-    let weight = |j: &Knot| {
-        let others = stencil
-            .iter()
-            .filter(|i| i.position.total_cmp(&j.position).is_ne());
-        let factors = others.map(|i| (position - i.position) / (j.position - i.position));
-        factors.product()
-    };
-    of_nodes(stencil, weight)
-}
-
-/// `f[q_0, …] = Σ_j f_j / Π_{i≠j} (q_j - q_i)`.
-fn divided_difference(knots: &[Knot]) -> DividedDifference {
-    let weight = |j: &Knot| {
-        let others = knots
-            .iter()
-            .filter(|i| i.position.total_cmp(&j.position).is_ne());
-        let factors = others.map(|i| j.position - i.position);
-        factors.product::<f64>().recip()
-    };
-    of_nodes(knots, weight)
 }
 
 #[cfg(test)]
@@ -534,14 +469,30 @@ mod tests {
             }
             let largest = samples.iter().map(u).fold(0.0, f64::max);
             assert!(largest < 1.1, "{gap}: {largest}");
-            // The mean of the pair, and no jump anywhere.
-            assert_eq!(curve.at(40.0 + 0.5 * gap).weights, [(4, 0.5), (5, 0.5)]);
+            // The mean of the pair half way, each of them where it is, and no jump anywhere.
+            for (node, weight) in curve.at(40.0 + 0.5 * gap).weights {
+                let expected = if [4, 5].contains(&node) { 0.5 } else { 0.0 };
+                assert!((weight - expected).abs() < 0.03, "{gap} {node}: {weight}");
+            }
+            assert_eq!(curve.at(40.0 + gap).weights, [(5, 1.0)]);
             assert_eq!(curve.steps().len(), nodes.len());
             for q in nodes.iter().map(|node| node.position) {
                 let [below, above] =
                     [q - 1e-9, q + 1e-9].map(|q| value(&curve, &nodes, wave_um, q));
                 assert!((below - above).abs() < 1e-6, "{gap} {q}: {below} {above}");
             }
+        }
+    }
+
+    /// 10 mm beside gaps of 100 and more: as mean values of both the step at 200 was off by half of what they differ.
+    #[test]
+    fn every_step_has_its_own_error() {
+        let nodes = places([0.0, 100.0, 200.0, 210.0, 380.0, 500.0]);
+        let curve = Curve::new(AxisKind::Linear, &nodes);
+        for (k, node) in nodes.iter().enumerate() {
+            let sample = curve.at(node.position);
+            assert_eq!(sample.weights, [(k, 1.0)]);
+            assert!(sample.remainder.abs() < f64::MIN_POSITIVE);
         }
     }
 
@@ -585,8 +536,8 @@ mod tests {
         ] {
             let curve = Curve::new(AxisKind::Linear, &places(positions.iter().copied()));
             let knots = curve.sides[0].knots.iter();
-            let own = knots.map(|knot| (knot.position, knot.nodes.clone()));
-            let expected = positions.iter().enumerate().map(|(k, &q)| (q, vec![k]));
+            let own = knots.map(|knot| (knot.position, knot.steps.len()));
+            let expected = positions.iter().map(|&q| (q, 1));
             assert!(own.eq(expected));
         }
         let equal = Curve::new(AxisKind::Linear, &places([0.0, 10.0, 20.0, 30.0, 40.0]));

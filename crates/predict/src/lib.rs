@@ -40,6 +40,7 @@ mod curve;
 mod factored_covariance;
 mod files;
 mod interpolation;
+mod knots;
 mod output;
 mod pivoted_cholesky;
 mod predict;

@@ -40,8 +40,9 @@
 use nalgebra::Vector6;
 use trueaxis_kinematics::MotionError;
 
-use crate::curve::{Curve, DividedDifference, Sample};
+use crate::curve::{Curve, Sample};
 use crate::factored_covariance::FactoredCovariance;
+use crate::knots::DividedDifference;
 
 /// What the six components may be off by, mm and rad.
 #[derive(Debug, Clone, PartialEq)]

@@ -150,6 +150,9 @@ fn bar(name: &str, parts: &[(String, f64, String)]) -> Option<Figure> {
         ));
         x += width;
     }
+    for (name, share, class) in parts {
+        drawing.add_key(class, &format!("{name} {} %", fixed(100.0 * share, 0)));
+    }
     Some(Figure::new(name, drawing))
 }
 
@@ -226,6 +229,14 @@ fn misfits(
             place_it("m1", [k, place.before_um], &format!("{before} µm"));
         }
     }
+    match level.is_explained() {
+        true => {
+            plot.add_key("m1", "without");
+            plot.add_key("m0", "with causes and disturbances in the model");
+        }
+        false => plot.add_key("m1", "misfit"),
+    }
+    plot.add_key("rule", "noise alone");
     Some(Figure::new(name, plot.finish()))
 }
 
@@ -247,7 +258,7 @@ fn cause(index: usize, cause: &Cause) -> CauseView {
         name: words::effect(&cause.effect, &cause.subject),
         value: [parameters(cause), along_it(cause.curve.as_deref())].concat(),
         rivals: rivals.collect(),
-        changes: changes(cause),
+        changes: changes(cause).1,
         explained: cause.explained_rms_um.map(rough),
         figures: cause
             .fitted
@@ -338,8 +349,8 @@ fn parameters(cause: &Cause) -> String {
 /// Angles at an arm of half a metre, to compare them with displacements: µm per arcsec.
 const ARM_UM_PER_ARCSEC: f64 = 2.4;
 
-/// The results that change most when all causes are taken out.
-fn changes(cause: &Cause) -> String {
+/// The results that change most when all causes are taken out, and the largest change, angles at the arm, µm.
+pub(crate) fn changes(cause: &Cause) -> (Option<f64>, String) {
     let mut all: Vec<(f64, String)> = Vec::new();
     for (name, change) in &cause.component_change {
         let units = [
@@ -353,8 +364,9 @@ fn changes(cause: &Cause) -> String {
         }));
     }
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let most_um = all.first().map(|(um, _)| *um);
     let largest = all.into_iter().take(MOST_CHANGES).map(|(_, text)| text);
-    largest.collect::<Vec<_>>().join(", ")
+    (most_um, largest.collect::<Vec<_>>().join(", "))
 }
 
 #[cfg(test)]

@@ -178,6 +178,10 @@ fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
             plot.hover([x, value], &text);
         }
     }
+    if !axis.direction.is_empty() {
+        plot.add_key("l0", "forward");
+        plot.add_key("l1", "backward");
+    }
     Figure::new(&format!("component-{name}"), plot.finish())
 }
 

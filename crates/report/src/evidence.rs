@@ -183,6 +183,17 @@ fn in_time(residuals: &Residuals, every: usize, noise: Option<f64>) -> Figure {
         );
         plot.hover(at(row), &text);
     }
+    for (series, name) in residuals.series.iter().enumerate() {
+        let (colour, is_cross) = series_mark(series);
+        plot.add_key(
+            &format!("p{colour}{}", if is_cross { " x" } else { "" }),
+            name,
+        );
+    }
+    plot.add_key("out", "removed");
+    if noise.is_some() {
+        plot.add_key("rule", "95 % of noise alone");
+    }
     Figure::new("residuals-time", plot.finish())
 }
 

@@ -143,6 +143,15 @@ impl<'a> Values<'a> {
                 );
                 plot.hover([at(k), misfit[k]], &text);
             }
+            if of_side().next().is_some() {
+                let side = match (fitted.has_sides(), forward) {
+                    (false, _) => "",
+                    (true, true) => ", forward",
+                    (true, false) => ", backward",
+                };
+                plot.add_key(&format!("p{colour}"), &format!("without the cause{side}"));
+                plot.add_key(&format!("l{colour}"), &format!("the cause{side}"));
+            }
         }
         plot.finish()
     }

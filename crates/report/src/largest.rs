@@ -1,8 +1,8 @@
 //! The errors that matter most.
 //!
-//! Displacements and angles become comparable as displacements: an angle acts on a lever, half the diagonal of the
-//! travels of the linear axes (without linear axes the distance of the farthest target from the origin);
-//! squareness on the travel of its axis.
+//! Displacements and angles become comparable as displacements: an angle about x acts on half the diagonal of the travels of the linear
+//! axes along y and z, and so on (where there are none on the distance of the farthest target from the origin); squareness on the travel
+//! of its axis.
 
 use serde::Serialize;
 
@@ -29,14 +29,20 @@ const MOST: usize = 3;
 const ARCSEC: f64 = std::f64::consts::PI / 180.0 / 3600.0;
 
 pub(crate) fn largest(calibration: &Calibration) -> Vec<Largest> {
-    let lever_um = 1e3 * lever_mm(calibration);
+    let levers_um = [0, 1, 2].map(|about| 1e3 * lever_mm(calibration, about));
+    // Of `EAX`, of `A0C`.
+    let lever_um = |letter: Option<char>| match letter {
+        Some('A') => levers_um[0],
+        Some('B') => levers_um[1],
+        _ => levers_um[2],
+    };
     let curves = calibration.axes.iter().flat_map(|axis| {
         let curves = axis.components.iter();
         curves.filter_map(move |(name, curve)| {
             let (value, u) = largest_of(curve)?;
             let expanded = expanded(u, curve.dof);
             let words = words::component(name, &axis.name, &calibration.machine);
-            let lever = curve.is_angular().then_some(lever_um);
+            let lever = curve.is_angular().then(|| lever_um(name.chars().nth(1)));
             Some(entry(name, words, [value, expanded], lever))
         })
     });
@@ -46,9 +52,9 @@ pub(crate) fn largest(calibration: &Calibration) -> Vec<Largest> {
         .filter_map(|(name, error)| {
             let measured = Measured::of(error).filter(|measured| !measured.of_targets)?;
             let words = words::location(name, &calibration.machine);
-            let lever = measured
-                .is_angular
-                .then(|| stroke_um(name, calibration).unwrap_or(lever_um));
+            let lever = measured.is_angular.then(|| {
+                stroke_um(name, calibration).unwrap_or_else(|| lever_um(name.chars().next()))
+            });
             Some(entry(
                 name,
                 words,
@@ -89,15 +95,24 @@ fn largest_of(curve: &Curve) -> Option<(f64, f64)> {
         .map(|(value, u)| (*value, *u))
 }
 
-pub(crate) fn lever_mm(calibration: &Calibration) -> f64 {
+/// The lever of an angle about x, y or z (0, 1, 2).
+fn lever_mm(calibration: &Calibration, about: usize) -> f64 {
     let axes = calibration.machine.axes.iter();
     let linear = axes.filter(|axis| axis.kind == Kind::Linear);
-    let strokes: Vec<f64> = linear
-        .filter_map(|axis| axis.travel)
-        .map(|[low, high]| high - low)
-        .collect();
-    if !strokes.is_empty() {
-        return 0.5 * strokes.iter().map(|s| s * s).sum::<f64>().sqrt();
+    let travelled = linear.filter_map(|axis| Some((axis.direction, axis.travel?)));
+    let extent_mm = |along: usize| -> f64 {
+        let parts = travelled.clone();
+        parts
+            .map(|(d, [low, high])| d[along].abs() * (high - low))
+            .sum()
+    };
+    let across = (0..3).filter(|along| *along != about);
+    let diagonal = across
+        .map(|along| extent_mm(along).powi(2))
+        .sum::<f64>()
+        .sqrt();
+    if diagonal > 0.0 {
+        return 0.5 * diagonal;
     }
     let far = calibration.targets.iter().map(|target| {
         let [x, y, z] = target.position_mm;

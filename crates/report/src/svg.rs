@@ -1,7 +1,7 @@
 //! Drawings as SVG text.
 //!
 //! Marks have classes; colours come from a style sheet, so that the page shows them dark or light. A file of its
-//! own carries the light ones ([`Drawing::alone`]). All text is escaped.
+//! own carries the light ones and the key that stands beside the figure on the page ([`Drawing::alone`]). All text is escaped.
 
 #[cfg(test)]
 mod colours;
@@ -19,7 +19,14 @@ pub(crate) struct Drawing {
     height: f64,
     title: String,
     body: String,
+    /// What marks mean: their class and the words.
+    key: Vec<(String, String)>,
 }
+
+/// A line of the key, what its marks take, and a letter, pixels.
+const KEY_LINE: f64 = 18.0;
+const KEY_MARK: f64 = 24.0;
+const KEY_LETTER: f64 = 6.8;
 
 impl Drawing {
     /// `title` is what those hear who cannot see it.
@@ -29,7 +36,13 @@ impl Drawing {
             height,
             title: title.into(),
             body: String::new(),
+            key: Vec::new(),
         }
+    }
+
+    /// Says in a file of its own what marks of a class mean.
+    pub(crate) fn add_key(&mut self, class: &str, words: &str) {
+        self.key.push((class.to_owned(), words.to_owned()));
     }
 
     /// An element; attributes are numbers and names of our own, never text from a file.
@@ -117,9 +130,45 @@ impl Drawing {
     /// For a file.
     pub(crate) fn alone(&self) -> String {
         let style = format!("<style>{STYLE}</style>\n");
-        let mut text = self.with(r#" xmlns="http://www.w3.org/2000/svg""#, &style);
+        let with_key = self.with_key();
+        let mut text = with_key.with(r#" xmlns="http://www.w3.org/2000/svg""#, &style);
         text.push('\n');
         text
+    }
+
+    /// With the key below it, in as many lines as it needs.
+    fn with_key(&self) -> Self {
+        let mut all = Self {
+            body: self.body.clone(),
+            title: self.title.clone(),
+            key: Vec::new(),
+            ..*self
+        };
+        let mut at = [KEY_MARK / 2.0, self.height + KEY_LINE / 2.0];
+        for (class, words) in &self.key {
+            let width = KEY_MARK + KEY_LETTER * (words.chars().count() + 2) as f64;
+            if at[0] > KEY_MARK && at[0] + width > self.width {
+                at = [KEY_MARK / 2.0, at[1] + KEY_LINE];
+            }
+            let [x, y] = at;
+            match class.chars().next() {
+                Some('f') => {
+                    let (x, y) = (coordinate(x), coordinate(y - 5.0));
+                    all.element(format_args!(
+                        r#"rect class="{class}" x="{x}" y="{y}" width="16" height="10""#
+                    ));
+                }
+                Some('l' | 'r') => all.path(class, [[x, y], [x + 18.0, y]].into_iter()),
+                _ if class.ends_with(" x") => all.crosses(class, std::iter::once([x + 8.0, y])),
+                _ => all.dots(class, std::iter::once([x + 8.0, y])),
+            }
+            all.text([x + KEY_MARK, y + 4.0], "k", "start", words);
+            at[0] += width;
+        }
+        if !self.key.is_empty() {
+            all.height = at[1] + KEY_LINE / 2.0;
+        }
+        all
     }
 
     fn with(&self, space: &str, style: &str) -> String {

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::calibration::Calibration;
+use crate::causes::changes;
 use crate::diagnosis::{Diagnosis, Disturbance};
 use crate::numbers::{fixed, p_value};
 use crate::verification::Verification;
@@ -30,6 +31,7 @@ impl Verdict {
         let mut contradictions = calibration.map_or_else(Vec::new, contradictions);
         let is_only_louder = louder.is_some() && contradictions.is_empty();
         contradictions.splice(0..0, louder);
+        let consequence = diagnosis.map_or_else(Consequence::default, Consequence::new);
         let diagnosed = diagnosis.map(|diagnosis| (diagnosis.verdict.as_str(), said(diagnosis)));
         let (mut level, mut sentence) = match (&diagnosed, contradictions.is_empty()) {
             (Some(("clean", _)), true) => (
@@ -39,6 +41,10 @@ impl Verdict {
             (Some(("clean", _)), false) if is_only_louder => (
                 "care",
                 "The noise is more than declared; beside it nothing in the data contradicts the rigid machine model.",
+            ),
+            (Some(("named" | "ambiguous", _)), true) if consequence.is_none_of_it => (
+                "care",
+                "The data hold more than the rigid machine model, but it changes no result by 0.1 µm.",
             ),
             (Some(("named" | "ambiguous" | "unknown", _)), _) | (_, false) => (
                 "bad",
@@ -78,14 +84,18 @@ impl Verdict {
             reasons.push(taken_out);
         }
         reasons.extend(diagnosed.map(|(_, said)| said));
+        reasons.extend(consequence.said);
         let verified = verification.and_then(Verification::is_misfit);
-        if verified == Some(true) {
-            reasons.push("Verification: the readings contradict the prediction.".to_owned());
+        if let Some(verification) = verification.filter(|_| verified == Some(true)) {
+            let misfits = verification.misfits().join("; ");
+            reasons.push(format!(
+                "The readings contradict the prediction: {misfits}."
+            ));
         }
         if calibration.is_none() && diagnosis.is_none() {
             (level, sentence) = match verified {
-                Some(true) => ("bad", "Other readings contradict the calibration."),
-                Some(false) => ("good", "Other readings agree with the calibration."),
+                Some(true) => ("bad", "The readings contradict the calibration."),
+                Some(false) => ("good", "The readings agree with the calibration."),
                 None => (
                     "care",
                     "Whether the readings agree is not judged: no uncertainty is declared.",
@@ -101,6 +111,38 @@ impl Verdict {
             level,
             sentence: sentence.to_owned(),
             reasons,
+        }
+    }
+}
+
+/// What the causes do to the results.
+#[derive(Default)]
+struct Consequence {
+    /// Whether a user sees nothing of it.
+    is_none_of_it: bool,
+    said: Option<String>,
+}
+
+/// Changes that no machine shows, µm.
+const UNSEEN_UM: f64 = 0.1;
+
+impl Consequence {
+    fn new(diagnosis: &Diagnosis) -> Self {
+        let of_model = diagnosis.causes.iter().filter(|cause| !cause.is_of_curve());
+        let told = of_model
+            .map(changes)
+            .find_map(|(most, text)| Some((most?, text)));
+        let Some((most_um, text)) = told else {
+            return Self::default();
+        };
+        let mut shares = diagnosis
+            .levels
+            .iter()
+            .map(|level| level.shares.unexplained);
+        let is_all = diagnosis.disturbances.is_empty() && shares.all(|share| share <= 0.0);
+        Self {
+            is_none_of_it: most_um < UNSEEN_UM && is_all,
+            said: Some(format!("Without that the results would differ by: {text}.")),
         }
     }
 }

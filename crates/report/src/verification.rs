@@ -76,6 +76,13 @@ struct EntryView {
     /// How well readings and prediction agree, where the uncertainty of a reading is declared.
     agreement: Option<String>,
     is_misfit: bool,
+    /// Whether the uncertainty of a reading is declared.
+    is_declared: bool,
+    has_sides: bool,
+    /// Range of the prediction, and with compensation, µm, and whether that is larger.
+    predicted_um: String,
+    compensated_um: String,
+    moves_more: bool,
     /// Rms of the readings, and of what is left of them less the prediction, µm.
     readings_um: String,
     left_um: String,
@@ -85,7 +92,21 @@ struct EntryView {
 
 const SIZE: [f64; 2] = [900.0, 270.0];
 
+/// Half of what the last digit of a figure shows, µm.
+const LAST_DIGIT_UM: f64 = 0.005;
+
 impl Verification {
+    /// What contradicts the prediction, and by how much.
+    pub(crate) fn misfits(&self) -> Vec<String> {
+        let entries = self.verification.iter();
+        let misfits = entries.filter_map(|entry| {
+            let e_n = entry.e_n.as_ref().filter(|e_n| e_n.misfit)?;
+            let (name, above, all) = (&entry.name, e_n.above_one, e_n.count);
+            Some(format!("{name} ({above} of {all} readings outside U)"))
+        });
+        misfits.collect()
+    }
+
     /// Whether the readings contradict the prediction; `None` where no uncertainty of a reading tells.
     pub(crate) fn is_misfit(&self) -> Option<bool> {
         let judged = self
@@ -108,7 +129,20 @@ impl VerificationSection {
                 let squares: f64 = entry.points.iter().map(|point| value(point).powi(2)).sum();
                 (squares / entry.points.len().max(1) as f64).sqrt()
             };
+            let range_of = |value: &dyn Fn(&Point) -> f64| {
+                let values = || entry.points.iter().map(value);
+                let low = values().fold(f64::INFINITY, f64::min);
+                (values().fold(f64::NEG_INFINITY, f64::max) - low).max(0.0)
+            };
+            let without = range_of(&|point| point.predicted_um);
+            let with = range_of(&|point| point.compensated_um);
+            let mut points = entry.points.iter();
             EntryView {
+                is_declared: points.any(|point| point.u_reading_um.is_some()),
+                has_sides: entry.points.iter().any(|point| point.direction < 0),
+                predicted_um: fixed(without, 2),
+                compensated_um: fixed(with, 2),
+                moves_more: with > without + LAST_DIGIT_UM,
                 name: entry.name.clone(),
                 kind: entry.kind.clone(),
                 figure: figure(k, entry, &verification.rotary_axes),
@@ -211,7 +245,11 @@ fn figure(k: usize, entry: &Entry, rotary_axes: &[String]) -> Option<Figure> {
             "whisker",
             &[[x, point.reading_um - u], [x, point.reading_um + u]],
         );
-        plot.dots("m1", std::iter::once([x, point.reading_um]));
+        let at = std::iter::once([x, point.reading_um]);
+        match point.direction < 0 {
+            true => plot.crosses("p1 x", at),
+            false => plot.dots("m1", at),
+        }
         let digits = decimals(u.max(u_prediction(point)));
         let text = format!(
             "{axis} = {}{unit}, {}: read {} µm, predicted {}{} µm, {} µm with compensation{}",
@@ -235,6 +273,17 @@ fn figure(k: usize, entry: &Entry, rotary_axes: &[String]) -> Option<Figure> {
         );
         plot.hover([x, point.reading_um], &text);
     }
+    let is_declared = points().any(|point| u_reading(point) > 0.0);
+    let read = |side: &str| match is_declared {
+        true => format!("read {side}, with U"),
+        false => format!("read {side}"),
+    };
+    plot.add_key("m1", &read("forward"));
+    if points().any(|point| point.direction < 0) {
+        plot.add_key("p1 x", &read("backward"));
+    }
+    plot.add_key("l0", "predicted, with its 95 % band");
+    plot.add_key("l2", "predicted with compensation");
     Some(Figure::new(
         &format!("verification-{}", k + 1),
         plot.finish(),

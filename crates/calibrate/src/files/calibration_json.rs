@@ -11,6 +11,7 @@ use trueaxis_files::{round, significant, value_to_json, without_nulls};
 use trueaxis_kinematics::{ARCSEC, Component, MICROMETRE, Machine};
 use trueaxis_poses::{
     KnownMisfit, Method, ReflectorConstant, ScaleBasis, ScaleResult, SideDifference, StepMisfit,
+    TurnedRuns,
 };
 
 use crate::files::adjustment_json::adjustment;
@@ -35,6 +36,7 @@ impl Calibration {
         });
         let misfits = self.misfits.iter().map(misfit);
         let misfits = misfits.chain(self.axes.iter().filter_map(misfit_of_runs));
+        let misfits = misfits.chain(self.turned_runs.iter().map(misfit_of_turned));
         let misfits = misfits.chain(self.known_misfits.iter().map(misfit_of_known));
         value_to_json(&without_nulls(json!({
             "format": "trueaxis-calibration",
@@ -292,6 +294,20 @@ fn misfit_of_runs(axis: &AxisResult) -> Option<Value> {
         degrees_of_freedom: runs.degrees_of_freedom,
         p_value: runs.p_value,
     }))
+}
+
+/// The same of runs that are turned; no displacement is asked.
+fn misfit_of_turned(turned: &TurnedRuns) -> Value {
+    misfit(&StepMisfit {
+        step: format!(
+            "runs {} against each other, turned",
+            turned.runs.join(" and ")
+        ),
+        rms_um: f64::NAN,
+        chi_squared: turned.chi_squared,
+        degrees_of_freedom: 3,
+        p_value: turned.p_value,
+    })
 }
 
 /// The same of what is known and contradicts the lengths.

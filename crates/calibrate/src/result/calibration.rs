@@ -8,7 +8,7 @@ use trueaxis_kinematics::{
 };
 use trueaxis_poses::{
     AdjustmentReport, KnownMisfit, Method, ReflectorConstant, Residual, ScaleResult,
-    SideDifference, StepMisfit,
+    SideDifference, StepMisfit, TurnedRuns,
 };
 
 use crate::result::budget::Budget;
@@ -51,6 +51,8 @@ pub struct Calibration {
     pub covariance: Option<OutputCovariance>,
     /// Steps whose points do not move as a rigid body.
     pub misfits: Vec<StepMisfit>,
+    /// Runs of measured points that see the stage turned against each other where all axes stand alike.
+    pub turned_runs: Vec<TurnedRuns>,
     /// Known lengths and dead paths that contradict the lengths.
     pub known_misfits: Vec<KnownMisfit>,
     /// What is left of each length, or of each coordinate of a points campaign, in measuring order.

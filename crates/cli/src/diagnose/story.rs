@@ -206,6 +206,10 @@ fn off(level: &LevelReport) -> Vec<String> {
         in_words::amount(level.before.rms_um, 2),
         in_words::amount(level.noise_floor_um, 2)
     );
+    if let Some(u_um) = level.prediction_u_um {
+        let u_um = in_words::amount(u_um, 2);
+        text += &format!(", and the prediction is uncertain by {u_um} µm (u, rms)");
+    }
     let shares = &level.shares;
     let found = match (shares.causes.is_empty(), shares.disturbances.is_empty()) {
         (false, true) => "the causes",

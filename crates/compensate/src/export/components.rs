@@ -1,17 +1,23 @@
 //! All component and location errors, for controls that have a model of the machine of their own.
 
 use nalgebra::Vector3;
-use trueaxis_kinematics::{AxisKind, GeometricErrors, LocationError, Machine, MotionError};
+use trueaxis_kinematics::{
+    Axis, AxisKind, GeometricErrors, LocationComponent, LocationError, Machine, MotionError,
+};
 use trueaxis_predict::CalibratedMachine;
 
 use crate::export::Request;
 use crate::export::line::{interpolate, positions};
 use crate::{Error, Moved, correct};
 
+/// What rounding leaves of a location error that is none, mm or rad.
+const ROUNDING: f64 = 1e-15;
+
 /// Names of axes in the standard.
 const NAMES: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];
 
-/// The errors as the control has them: δ of linear axes at the origin of the reference frame, linear between points.
+/// The errors as the control has them: δ of linear axes at the origin of the reference frame, of rotary ones at the point that the
+/// machine gives them by, linear between points.
 pub(crate) struct Components {
     machine: Machine,
     at: nalgebra::Point3<f64>,
@@ -51,10 +57,14 @@ impl Components {
         let origin = nalgebra::Point3::origin();
         let at_origin = machine.with_axes(|_, axis| match axis.kind() {
             AxisKind::Linear => axis.with_reference(origin),
-            AxisKind::Rotary => axis,
+            AxisKind::Rotary => {
+                let point_mm = axis.point_mm();
+                axis.with_reference(point_mm)
+            }
         });
         let of_axis = |axis: usize| {
             let geometry = &machine.axes()[axis];
+            let location = calibrated.location(axis);
             let error = |position: f64| {
                 let error = calibrated.motion(axis, position);
                 let reference = geometry.reference_mm().coords;
@@ -66,7 +76,11 @@ impl Components {
                             error.rotation_rad,
                         )
                     }
-                    AxisKind::Rotary => error,
+                    AxisKind::Rotary => {
+                        let along = along_to_point(geometry, &location);
+                        let turned = error.isometry().rotation * along;
+                        MotionError::new(error.translation_mm + turned - along, error.rotation_rad)
+                    }
                 }
             };
             let home = match all_linear {
@@ -78,15 +92,17 @@ impl Components {
                 let error = error(position);
                 MotionError::new(error.translation_mm - home, error.rotation_rad)
             });
-            let location = calibrated.location(axis);
-            let components = geometry.location_components().into_iter();
+            let location = at_point(geometry, &location);
+            // Of an oblique axis all three: a reader adds nothing.
+            let tilts = (0..3).map(LocationComponent::Tilt);
+            let components = (0..3).map(LocationComponent::Offset).chain(tilts);
             let named = components.map(|c| (c.name(geometry.name()), c.of(&location)));
             Ok(AxisComponents {
                 axis,
                 errors: errors.collect(),
                 positions,
                 location,
-                locations: named.filter(|(_, value)| value.abs() > 0.0).collect(),
+                locations: named.filter(|(_, value)| value.abs() > ROUNDING).collect(),
             })
         };
         let axes = request.axes()?.into_iter().map(of_axis);
@@ -119,7 +135,7 @@ impl Components {
         use trueaxis_kinematics::Branch;
         vec![
             "mm and rad, arguments of rotary axes in degrees; ISO 230-1, actual minus nominal, right-hand rule; linear axes at \
-             the origin of the reference frame, rotary ones on their nominal axis; mean of both sides of approach"
+             the origin of the reference frame, rotary ones at the point of the nominal axis that the machine gives; mean of both sides of approach"
                 .to_owned(),
             format!(
                 "from the bed: tool {}; workpiece {}",
@@ -131,6 +147,25 @@ impl Components {
                 .to_owned(),
             request.origin(),
         ]
+    }
+}
+
+/// The way along the average axis from the reference point of δ to the point that a rotary axis is given by, mm.
+fn along_to_point(axis: &Axis, location: &LocationError) -> Vector3<f64> {
+    let average = axis.average_direction(location).into_inner();
+    let height_mm = (axis.point_mm() - axis.reference_mm()).dot(&axis.direction());
+    average * (height_mm / average.dot(&axis.direction()))
+}
+
+/// The same location error with its shift at that point.
+fn at_point(axis: &Axis, location: &LocationError) -> LocationError {
+    let apart = axis.reference_mm() - axis.point_mm();
+    match axis.kind() {
+        AxisKind::Linear => *location,
+        AxisKind::Rotary => LocationError {
+            offset_mm: location.offset_mm + apart + along_to_point(axis, location),
+            ..*location
+        },
     }
 }
 

@@ -12,6 +12,7 @@ use trueaxis_predict::ERROR_COLUMNS;
 
 use crate::export::line::positions;
 use crate::export::named_errors::wrong;
+use crate::export::old_files::reach;
 use crate::export::sides::Sides;
 use crate::export::{
     Description, ExportedFile, OldFiles, Request, Tables, check_points, csv, rising,
@@ -51,25 +52,35 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         )?;
         Ok(found.added_to(commanded))
     };
-    let home = added(&at_home)?;
     let error_at_home = machine.tool_error(request.machine, &at_home, request.at);
 
     let names: Vec<&str> = axes.iter().map(|&axis| request.name(axis)).collect();
     // As it stands alone, at its own nodes.
     let mut values = Vec::with_capacity(rows);
     for row in 0..rows {
-        let added = added(&commanded(&axes, &nodes, row, &at_home))?;
-        let pairs = added.iter().zip(&home);
-        values.push(pairs.map(|(a, b)| a - b).collect());
+        values.push(added(&commanded(&axes, &nodes, row, &at_home))?);
     }
-    let own = Grid {
+    let mut own = Grid {
         axes: axes.clone(),
         nodes,
         values,
     };
+    // What the table itself adds there, where no node may be.
+    let home = own.added(&at_home);
+    for added in &mut own.values {
+        added.iter_mut().zip(&home).for_each(|(a, home)| *a -= home);
+    }
+    let mut reached = Vec::new();
     let written = match request.onto {
         [] => None,
-        [old] => Some(own.with(&read_old(old, request, &axes)?, request)?),
+        [old] => {
+            let read = read_old(old, request, &axes)?;
+            for (&axis, nodes) in axes.iter().zip(&read.nodes) {
+                let ends = [nodes[0], nodes[nodes.len() - 1]];
+                reached.extend(reach(request, &old.name, axis, ends)?);
+            }
+            Some(own.with(&read, request)?)
+        }
         _ => return Err(request.one_file()),
     };
     let Grid { nodes, values, .. } = written.as_ref().unwrap_or(&own);
@@ -96,14 +107,16 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         text.push_str(&cells.join(","));
         text.push('\n');
     }
+    let mut notes = vec![
+        "e: actual minus nominal, zero at home; add_: what to add to the commanded position; all other axes at home, and what \
+         they do is not in it"
+            .to_owned(),
+        request.origin(),
+    ];
+    notes.extend(reached);
     Ok(Tables {
         files: vec![ExportedFile::new("grid.csv", text)],
-        notes: vec![
-            "e: actual minus nominal, zero at home; add_: what to add to the commanded position; all other axes at home, and what \
-             they do is not in it"
-                .to_owned(),
-            request.origin(),
-        ],
+        notes,
         rule: Box::new(move |commanded| Ok(own.added(commanded))),
     })
 }

@@ -26,6 +26,7 @@ use trueaxis_kinematics::AxisKind;
 use crate::Error;
 use crate::export::line::{Line, Sums, interpolate, spacing};
 use crate::export::named_errors::wrong;
+use crate::export::old_files::reach;
 use crate::export::sides::Sides;
 use crate::export::{
     Description, ExportedFile, OldFiles, Request, TableSign, Tables, check_points, csv, rising,
@@ -73,11 +74,16 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     linear.retain(|&axis| axes[axis].kind() == AxisKind::Linear);
     let names: Vec<&str> = linear.iter().map(|&axis| request.name(axis)).collect();
     let (mut files, mut lines, mut moving) = (Vec::new(), Vec::new(), Vec::new());
+    let mut reached = Vec::new();
     for &axis in &linear {
         let name = request.name(axis);
         let file = format!("{name}{ENDING}");
         let old = request.onto.iter().find(|old| old.name == file);
         let old = old.map(|old| Com::read(old, &names)).transpose()?;
+        if let Some(old) = &old {
+            let ends = [old.positions[0], old.positions[old.positions.len() - 1]];
+            reached.extend(reach(request, &file, axis, ends)?);
+        }
         let mut new = None;
         if asked.contains(&axis) {
             let line = Line::new(request, axis)?;
@@ -109,7 +115,8 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let (axes_row, files_row) = (moving.join(","), moving.join(".com,"));
     let text = format!("ACTIVE,{axes_row}\n*,{files_row}.com\n");
     files.push(ExportedFile::new(ASSIGNMENT, text));
-    let notes = notes(request, sign, linear.len() < axes.len());
+    let mut notes = notes(request, sign, linear.len() < axes.len());
+    notes.extend(reached);
     let text = format!(
         "Experimental: the rule of the control is known in part, from one public manual.\n\
          Run one line at low feed, measure it, and only then trust the tables.\n\n- {}\n",

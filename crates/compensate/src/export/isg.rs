@@ -54,7 +54,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         let geometry = &request.machine.machine().axes()[axis.axis];
         let name = geometry.name();
         if geometry.kind() == AxisKind::Rotary {
-            let centre: [f64; 3] = geometry.reference_mm().coords.into();
+            let centre: [f64; 3] = geometry.point_mm().coords.into();
             let [x, y, z] = centre.map(number);
             blocks.push(format!("PX{name} PY{name} PZ{name}\n{x} {y} {z}\n"));
             records += 1;

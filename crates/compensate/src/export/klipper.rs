@@ -18,7 +18,7 @@ pub(super) const FORMAT: Description = Description {
     name: "klipper",
     text: "Klipper: SET_SKEW",
     old_files: OldFiles::None,
-    sides: Sides::Elsewhere,
+    sides: Sides::Nothing,
     is_experimental: false,
     tables,
 };

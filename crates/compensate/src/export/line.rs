@@ -57,11 +57,6 @@ impl Line {
             commanded[axis] = position;
             commanded
         };
-        let deviations_at =
-            |commanded: &[f64], error: &MotionError| deviations(request, axis, commanded, error);
-        let home = commanded(0.0);
-        let error = machine.tool_error(request.machine, &home, request.at);
-        let home = deviations_at(&home, &error);
         let from = |direction| {
             let approach = Approach {
                 machine: request.machine,
@@ -71,18 +66,23 @@ impl Line {
             let at = |&position: &f64| -> Vec<f64> {
                 let commanded = commanded(position);
                 let error = machine.tool_error(&approach, &commanded, request.at);
-                let deviations = deviations_at(&commanded, &error);
-                let pairs = deviations.iter().zip(&home);
-                pairs.map(|(d, home)| d - home).collect()
+                deviations(request, axis, &commanded, &error)
             };
             positions.iter().map(at).collect()
         };
-        let line = Self {
+        let mut line = Self {
             axis,
             forward: from(Direction::Forward),
             backward: from(Direction::Backward),
             positions,
         };
+        // What the table itself has there, where no point may be.
+        let axes = 0..machine.axes().len();
+        let home: Vec<f64> = axes.map(|of| line.at(of, 0.0)).collect();
+        for deviations in line.forward.iter_mut().chain(&mut line.backward) {
+            let pairs = deviations.iter_mut().zip(&home);
+            pairs.for_each(|(deviation, home)| *deviation -= home);
+        }
         line.check_slopes(request)?;
         Ok(line)
     }

@@ -24,6 +24,7 @@ use trueaxis_files::round;
 use crate::Error;
 use crate::export::line::{Line, interpolate};
 use crate::export::named_errors::wrong;
+use crate::export::old_files::reach;
 use crate::export::sides::Sides;
 use crate::export::skew::Skew;
 use crate::export::{Description, ExportedFile, OldFiles, Request, Tables, check_points, rising};
@@ -65,6 +66,10 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     for axis in 0..request.machine.machine().axes().len() {
         let name = format!("{}{ENDING}", request.name(axis));
         let old = old(&name).map(triplets).transpose()?;
+        if let Some(old) = &old {
+            let ends = [old[0][0], old[old.len() - 1][0]];
+            notes.extend(reach(request, &name, axis, ends)?);
+        }
         let is_asked = asked.contains(&axis);
         let new = is_asked.then(|| Line::alone(request, axis));
         let new = new.transpose()?;

@@ -17,7 +17,7 @@ pub(super) const FORMAT: Description = Description {
     name: "marlin",
     text: "Marlin: skew factors, M852",
     old_files: OldFiles::None,
-    sides: Sides::Elsewhere,
+    sides: Sides::Nothing,
     is_experimental: false,
     tables,
 };

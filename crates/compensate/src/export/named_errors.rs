@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Point3, Vector6};
+use nalgebra::{Point3, Vector3, Vector6};
 use trueaxis_files::Alternatives;
 use trueaxis_kinematics::{Axis, AxisKind, Component, LocationComponent, Machine, MotionError};
 
@@ -220,10 +220,21 @@ impl NamedErrors {
         let errors = all.iter().map(|&position| {
             MotionError::from_vector(&Vector6::from_fn(|c, _| of(curves[c], position)))
         });
-        let locations = geometry.location_components().into_iter();
-        let locations = locations.filter_map(|component| {
-            let (_, value) = self.constants.get(&component.name(name))?;
-            Some((component, *value))
+        let constant = |component: LocationComponent| {
+            let found = self.constants.get(&component.name(name));
+            found.map(|(_, value)| *value)
+        };
+        // A calibration has the rotation across the axis, which gives it the same direction.
+        let tilt = Vector3::from_fn(|i, _| constant(LocationComponent::Tilt(i)).unwrap_or(0.0));
+        let direction = geometry.direction();
+        let across = tilt - direction.into_inner() * direction.dot(&tilt);
+        let own = geometry.location_components().into_iter();
+        let locations = own.filter_map(|component| match component {
+            LocationComponent::Offset(_) => Some((component, constant(component)?)),
+            LocationComponent::Tilt(i) => {
+                let is_given = constant(component).is_some() || across[i].abs() > 0.0;
+                is_given.then_some((component, across[i]))
+            }
         });
         Ok(AxisErrors {
             axis,
@@ -276,7 +287,12 @@ fn component_names(axis: &Axis) -> Vec<String> {
 }
 
 fn constant_names(axis: &Axis) -> Vec<String> {
-    let locations = axis.location_components().into_iter();
+    let own = axis.location_components().into_iter();
+    // The third tilt of an oblique axis is one, too.
+    let principal = axis.principal();
+    let is_oblique = (0..3).any(|i| i != principal && axis.direction()[i].abs() > 0.0);
+    let third = is_oblique.then_some(LocationComponent::Tilt(principal));
+    let locations = own.chain(third);
     let locations = locations.map(|component| component.name(axis.name()));
     locations.chain(centre_names(axis)).collect()
 }

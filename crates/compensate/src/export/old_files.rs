@@ -3,6 +3,7 @@
 use trueaxis_kinematics::{AxisKind, Machine};
 
 use crate::Error;
+use crate::export::named_errors::wrong;
 use crate::export::{ExportedFile, Request, names};
 
 /// The files of old tables, as a format names them.
@@ -87,4 +88,43 @@ impl OldFiles {
             })
         })
     }
+}
+
+/// By how much of the travel an old table may reach beyond either end: controls have points outside it.
+const BEYOND: f64 = 0.25;
+
+/// How much of the measured positions an old table has, at least, without a word.
+const MOST_OF_IT: f64 = 0.9;
+
+/// Refuses a table from a first to a last position (mm or degrees) that is none of an axis of this machine, and says what it does not reach.
+pub(super) fn reach(
+    request: &Request<'_>,
+    file: &str,
+    axis: usize,
+    [first, last]: [f64; 2],
+) -> Result<Option<String>, Error> {
+    let (name, unit) = (request.name(axis), request.unit(axis));
+    let travel = request.machine.machine().axes()[axis].travel();
+    let [low, high] = travel.map(|q| request.in_file(axis, q));
+    let most = BEYOND * (high - low);
+    if first < low - most || last > high + most {
+        let found = format!("{name} from {first} to {last} {unit}");
+        let expected = format!(
+            "positions within the travel of {name}, {low} to {high} {unit}: is it a table of another axis, another machine or in another unit?"
+        );
+        return Err(wrong(file, 1, &found, expected));
+    }
+    let steps = request.machine.steps(axis);
+    let measured = [steps.first(), steps.last()];
+    let [Some(start), Some(end)] = measured.map(|q| q.map(|q| request.in_file(axis, *q))) else {
+        return Ok(None);
+    };
+    let common = last.min(end) - first.max(start);
+    let is_short = common < MOST_OF_IT * (end - start);
+    Ok(is_short.then(|| {
+        format!(
+            "{file}: the old table of {name} goes from {first} to {last} {unit}, the new one from {start} to {end}: beyond its ends the old one \
+             stays as it is there; is it whole, and of this axis?"
+        )
+    }))
 }

@@ -15,8 +15,10 @@ pub(super) enum Sides {
     Columns,
     /// A table holds their mean.
     Mean,
-    /// Lost motion is a parameter of the control, of which the format says the value, or no positioning is in the tables.
-    Elsewhere,
+    /// Lost motion is a parameter of the control, of which the format says the value.
+    Parameter,
+    /// No positioning is in the tables.
+    Nothing,
 }
 
 impl Sides {
@@ -24,13 +26,19 @@ impl Sides {
     pub(super) fn note(self, request: &Request<'_>) -> Option<String> {
         let axes = request.axes().ok()?;
         let apart = |axis: &&usize| request.machine.keeps_sides_apart(**axis);
-        match self {
-            Self::Elsewhere => None,
-            Self::Columns => axes.iter().all(|axis| !apart(&axis)).then(|| {
+        if self == Self::Nothing {
+            return None;
+        }
+        if !axes.iter().any(|axis| apart(&axis)) {
+            return Some(
                 "the calibration has one curve of an axis, not one for each side of approach: the tables correct both directions \
-                 alike, and lost motion stays as it is; where both sides were measured, calibrate --by-direction"
-                    .to_owned()
-            }),
+                 alike, lost motion stays as it is, and the figures above are without it; where both sides were measured, calibrate \
+                 --by-direction"
+                    .to_owned(),
+            );
+        }
+        match self {
+            Self::Nothing | Self::Parameter | Self::Columns => None,
             Self::Mean => {
                 let lines = axes.iter().filter(apart);
                 let lines = lines.filter_map(|&axis| Line::new(request, axis).ok());

@@ -30,6 +30,7 @@ use trueaxis_kinematics::AxisKind;
 
 use crate::Error;
 use crate::export::line::{Line, Sums};
+use crate::export::old_files::reach;
 use crate::export::sides::Sides;
 use crate::export::sinumerik::levers::Lever;
 use crate::export::sinumerik::sag::{Placed, Sag};
@@ -40,7 +41,7 @@ pub(super) const FORMAT: Description = Description {
     name: "sinumerik",
     text: "Siemens SINUMERIK: $AA_ENC_COMP and $AN_CEC (experimental)",
     old_files: OldFiles::Named(&["AX_EEC.INI", "NC_CEC.INI"]),
-    sides: Sides::Elsewhere,
+    sides: Sides::Parameter,
     is_experimental: true,
     tables,
 };
@@ -97,6 +98,8 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     for file in request.onto {
         let old = read::read(file, request.machine.machine())?;
         for table in old.tables {
+            let last = table.min + table.step * (table.values.len() - 1) as f64;
+            notes.extend(reach(request, &file.name, table.input, [table.min, last])?);
             if !new.replaces(&table, request) {
                 sag.add(table, request)?;
             }

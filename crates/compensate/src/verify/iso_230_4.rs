@@ -106,11 +106,17 @@ impl Path {
         let set_up = set_up(machine, kind, points);
         let readings = points.iter().map(|point| point.reading_um);
         let readings = DVector::from_iterator(points.len(), readings);
-        let mut fitted = pseudo_inverse(&set_up, ROUNDING * set_up.norm()) * &readings;
-        // The last is the length, which stays.
-        let last = fitted.len() - 1;
-        let radius = std::mem::take(&mut fitted[last]);
-        let left = readings - set_up * fitted;
+        // The last column is the length. What a bar that is inclined to the plane of its path does not tell from it is no centre.
+        let centre = set_up.columns(0, set_up.ncols() - 1).into_owned();
+        let mut beside_length = centre.clone();
+        for mut column in beside_length.column_iter_mut() {
+            let mean = column.mean();
+            column.add_scalar_mut(-mean);
+        }
+        let of_readings = readings.add_scalar(-readings.mean());
+        let tolerance = ROUNDING * set_up.norm();
+        let left = readings - centre * (pseudo_inverse(&beside_length, tolerance) * of_readings);
+        let radius = left.mean();
         Some(Self {
             least: left.iter().copied().reduce(f64::min)?,
             largest: left.iter().copied().reduce(f64::max)?,

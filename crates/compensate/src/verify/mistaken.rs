@@ -2,7 +2,8 @@
 
 use crate::{Point, Verified};
 
-/// What may be mistaken about readings that contradict a prediction.
+/// What may be mistaken about readings that contradict a prediction, or agree with it only as far as nobody says that they are better
+/// than that.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mistaken {
     /// They are commanded less measured.
@@ -71,9 +72,6 @@ impl Verified {
         let declared = rms(&|p| p.u_reading_um.unwrap_or(0.0));
         if own < FAR_BELOW * declared || is_explained(1e3, false) {
             return Some(Mistaken::TooSmall);
-        }
-        if self.p_value.is_some() && !self.is_misfit() {
-            return None;
         }
         let compensation = match is_compensated {
             true => Mistaken::WithoutCompensation,

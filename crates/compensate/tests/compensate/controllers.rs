@@ -256,7 +256,7 @@ fn klipper(text: &str) -> Control {
 }
 
 /// The errors that a file holds.
-struct Errors {
+pub(crate) struct Errors {
     /// For each axis and component points, mm or rad.
     curves: BTreeMap<String, Vec<(f64, f64)>>,
     locations: BTreeMap<String, f64>,
@@ -264,7 +264,7 @@ struct Errors {
 }
 
 /// Columns by name; blocks between `#`.
-fn isg(text: &str, machine: &Machine) -> Errors {
+pub(crate) fn isg(text: &str, machine: &Machine) -> Errors {
     let mut errors = Errors {
         curves: BTreeMap::new(),
         locations: BTreeMap::new(),
@@ -295,7 +295,7 @@ fn isg(text: &str, machine: &Machine) -> Errors {
     errors
 }
 
-fn etalon(text: &str, machine: &Machine) -> Errors {
+pub(crate) fn etalon(text: &str, machine: &Machine) -> Errors {
     let mut errors = Errors {
         curves: BTreeMap::new(),
         locations: BTreeMap::new(),

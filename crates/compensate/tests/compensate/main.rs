@@ -68,12 +68,16 @@ fn scenario(text: &str) -> Scenario {
 
 /// The machine of a scenario as one campaign measures it, the sides of approach apart or not.
 fn calibrated(scenario: &Scenario, by_direction: bool) -> CalibratedMachine {
-    let simulated = simulate(scenario, 1).unwrap();
     let settings = Settings {
         by_direction,
         ..Settings::default()
     };
-    let calibration = calibrate(&simulated.campaign, &settings).unwrap();
+    calibrated_with(scenario, &settings)
+}
+
+fn calibrated_with(scenario: &Scenario, settings: &Settings) -> CalibratedMachine {
+    let simulated = simulate(scenario, 1).unwrap();
+    let calibration = calibrate(&simulated.campaign, settings).unwrap();
     calibration.calibrated_machine()
 }
 

@@ -282,11 +282,17 @@ fn an_oval_has_the_deviations_of_the_standard() {
     {
         *length_is_calibrated = true;
     }
-    let found = circular(&bar);
-    close(found.d_um, 8.25);
-    let [forward, backward] = [found.f_forward_um, found.f_backward_um].map(Option::unwrap);
-    for (found, expected) in [(forward, [6.5, 9.5]), (backward, [7.0, 10.0])] {
-        close(Some(found[0]), expected[0]);
-        close(Some(found[1]), expected[1]);
+    // A bar that stands out of the plane tells its length from the height of the centre no more; D was too small by the square of its slope.
+    for height_mm in [0.0, 60.0] {
+        if let VerificationKind::Ballbar { center_mm, .. } = &mut bar.kind {
+            center_mm.z -= height_mm;
+        }
+        let found = circular(&bar);
+        close(found.d_um, 8.25);
+        let [forward, backward] = [found.f_forward_um, found.f_backward_um].map(Option::unwrap);
+        for (found, expected) in [(forward, [6.5, 9.5]), (backward, [7.0, 10.0])] {
+            close(Some(found[0]), expected[0]);
+            close(Some(found[1]), expected[1]);
+        }
     }
 }

@@ -27,7 +27,7 @@ use trueaxis_kinematics::AxisKind;
 
 use crate::components::curve_set::CurveSet;
 use crate::components::smooth_prior::SmoothPrior;
-use crate::selection::Projection;
+use crate::selection::{Projection, lengths_beside_earlier};
 
 /// One size of the rest, and the curves whitened with it.
 #[derive(Debug, Clone)]
@@ -257,16 +257,8 @@ pub(crate) fn size(number: i32) -> f64 {
     RATIO.powi(number)
 }
 
-/// `ln det BᵀB`, from the lengths of the columns after taking out the earlier ones.
+/// `ln det BᵀB`.
 fn ln_determinant(columns: &[Vec<f64>]) -> f64 {
-    let Some(first) = columns.first() else {
-        return 0.0;
-    };
-    let matrix = DMatrix::from_fn(first.len(), columns.len(), |i, k| columns[k][i]);
-    let r = matrix.qr().r();
-    2.0 * r
-        .diagonal()
-        .iter()
-        .map(|x| x.abs().max(f64::MIN_POSITIVE).ln())
-        .sum::<f64>()
+    let lengths = lengths_beside_earlier(columns).into_iter();
+    2.0 * lengths.map(|x| x.max(f64::MIN_POSITIVE).ln()).sum::<f64>()
 }

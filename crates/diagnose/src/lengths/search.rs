@@ -99,6 +99,7 @@ pub(crate) fn diagnose_lengths(
         level: Level::Lengths,
         data: format!("{} lengths", base.readings.len()),
         noise_floor_um: floor_um,
+        prediction_u_um: None,
         before: Misfit {
             rms_um: before_um,
             heldout_rms_um: heldout.map(|h| h.before * length_um),
@@ -114,8 +115,8 @@ pub(crate) fn diagnose_lengths(
         tests_after: after.into_iter().map(|t| t.test).collect(),
         places: places(
             &base,
-            [&plain.solution.residuals_mm, &rest.solution.residuals_mm],
-            [scale(&plain), scale(&current)],
+            [&sharp.solution.residuals_mm, &rest.solution.residuals_mm],
+            [scale(&sharp), scale(&current)],
         ),
     };
     let effects_mm = effects_mm(&base, lengths, &current, &wandered_mm);

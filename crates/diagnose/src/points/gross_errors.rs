@@ -7,8 +7,9 @@
 //! T = sᵀ G⁻¹ s      s = Xᵀ e      G = Xᵀ M X      F(rank, ν - rank)
 //! ```
 //!
-//! What is more than a few, or several in a row of one target, is no accident but structure, and stays. Where two points
-//! of one step explain the contradiction nearly alike, nothing tells which of them is wrong, and both leave.
+//! A stop whose points are off by the same, as where the machine had not arrived or somebody leant on it, is tested as one with three
+//! columns for all its points. What is more than a few, or several in a row of one target, is no accident but structure, and stays. Where
+//! two points of one step explain the contradiction nearly alike, nothing tells which of them is wrong, and both leave.
 
 use nalgebra::Vector3;
 use trueaxis_campaign::Points;
@@ -17,6 +18,7 @@ use crate::Rejected;
 use crate::engine::most;
 use crate::points::base::Base;
 use crate::points::model::{Model, left_of};
+use crate::points::readings::Reading;
 use crate::selection::{Gram, ln_f_test};
 
 /// Probability of leaving out anything of points that are in order.
@@ -34,35 +36,58 @@ const ALIKE: f64 = 0.9;
 /// As many wrong points in a row of one target are no accidents.
 const IN_A_ROW: usize = 3;
 
-/// A point that contradicts the others.
+/// A point, or all those of a stop, that contradict the others.
 #[derive(Debug, Clone)]
 pub(crate) struct Gross {
-    /// Its number among the points of the campaign.
-    pub(crate) number: usize,
-    pub(crate) line: usize,
+    pub(crate) points: Vec<Wrong>,
+    stop: usize,
     step: usize,
-    target: usize,
     statistic: f64,
     error_um: f64,
     u_um: f64,
     is_alone: bool,
 }
 
+/// A point that leaves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Wrong {
+    /// Its number among the points of the campaign.
+    pub(crate) number: usize,
+    line: usize,
+    target: usize,
+}
+
 impl Gross {
     /// As the result file lists it.
-    pub(crate) fn rejected(&self) -> Rejected {
-        let reason = match self.is_alone {
-            true => "contradicts all other points",
-            false => {
+    pub(crate) fn rejected(&self) -> impl Iterator<Item = Rejected> {
+        let reason = match (self.points.len() > 1, self.is_alone) {
+            (false, true) => "contradicts all other points",
+            (false, false) => {
                 "one of the points of this step contradicts the others, and nothing tells which: measure the step again"
             }
+            (true, true) => {
+                "all points of this stop are off by the same against the other stops of this step"
+            }
+            (true, false) => {
+                "the stops of this step contradict each other, and nothing tells which is wrong: measure the step again"
+            }
         };
-        Rejected {
+        self.points.iter().map(move |point| Rejected {
             file: "points.csv".to_owned(),
-            row: self.line,
+            row: point.line,
             error_um: self.error_um,
             u_um: self.u_um,
             reason: reason.to_owned(),
+        })
+    }
+}
+
+impl Wrong {
+    fn of(reading: &Reading) -> Self {
+        Self {
+            number: reading.number,
+            line: reading.line,
+            target: reading.target,
         }
     }
 }
@@ -73,17 +98,21 @@ pub(crate) fn stand_out(base: &Base<'_>, model: &Model) -> Vec<Gross> {
     let (squares, freedom) = (projection.squares(), projection.degrees_of_freedom);
     let limit = (LEVEL / base.readings.all.len() as f64).ln();
     let mut found: Vec<Gross> = Vec::new();
-    for stop in &base.readings.stops {
-        for i in stop.clone() {
-            let columns: Vec<Vec<f64>> = (0..3)
-                .map(|k| {
-                    let mut column = vec![0.0; 3 * stop.len()];
+    for (stop_number, stop) in base.readings.stops.iter().enumerate() {
+        let points = &base.readings.all[stop.clone()];
+        let each = stop.clone().map(|i| i..i + 1);
+        // A stop of one point is that point.
+        let whole = (points.len() > 1).then(|| stop.clone());
+        for wrong in each.chain(whole) {
+            let column = |k: usize| {
+                let mut column = vec![0.0; 3 * stop.len()];
+                for i in wrong.clone() {
                     column[3 * (i - stop.start) + k] = 1.0;
-                    let points = &base.readings.all[stop.clone()];
-                    model.noise.whiten_stop(points, &mut column, 1.0);
-                    column
-                })
-                .collect();
+                }
+                model.noise.whiten_stop(points, &mut column, 1.0);
+                column
+            };
+            let columns: Vec<Vec<f64>> = (0..3).map(column).collect();
             let first = 3 * stop.start;
             let along = |column: &Vec<f64>| -> f64 {
                 let own = column.iter().zip(&projection.residuals[first..]);
@@ -105,16 +134,14 @@ pub(crate) fn stand_out(base: &Base<'_>, model: &Model) -> Vec<Gross> {
             let covariance = nalgebra::Matrix3::from_column_slice(&gram.covariance());
             let unit = error.normalize();
             let rest = (squares - statistic) / (freedom - gram.rank() as f64);
-            let reading = &base.readings.all[i];
             found.push(Gross {
-                number: reading.number,
-                line: reading.line,
-                step: reading.step,
-                target: reading.target,
+                stop: stop_number,
+                step: points[0].step,
                 statistic,
                 error_um: 1e3 * error.norm(),
                 u_um: 1e3 * (rest * unit.dot(&(covariance * unit))).max(0.0).sqrt(),
                 is_alone: true,
+                points: wrong.map(|i| Wrong::of(&base.readings.all[i])).collect(),
             });
         }
     }
@@ -135,7 +162,8 @@ fn first_of_steps(mut found: Vec<Gross>) -> Vec<Gross> {
         }
         let first = out.iter_mut().find(|other| other.step == gross.step);
         match first {
-            Some(first) if gross.statistic < ALIKE * first.statistic => {}
+            // A stop as a whole and a point of it leave no more together.
+            Some(first) if gross.statistic < ALIKE * first.statistic || first.holds(&gross) => {}
             Some(first) => {
                 first.is_alone = false;
                 let is_alone = false;
@@ -145,6 +173,13 @@ fn first_of_steps(mut found: Vec<Gross>) -> Vec<Gross> {
         }
     }
     out
+}
+
+impl Gross {
+    /// Whether it is the stop of another one.
+    fn holds(&self, other: &Self) -> bool {
+        self.stop == other.stop && (self.points.len() > 1 || other.points.len() > 1)
+    }
 }
 
 /// Whether these are so few and so scattered that they are accidents.
@@ -162,9 +197,8 @@ pub(crate) fn are_accidents(gross: &[Gross], base: &Base<'_>, points: &Points) -
     let mut in_a_row = vec![0; base.scene.targets.len()];
     points.readings.iter().enumerate().all(|(number, reading)| {
         let row = &mut in_a_row[reading.target];
-        let is_gross = gross
-            .iter()
-            .any(|g| g.number == number && g.target == reading.target);
+        let mut wrong = gross.iter().flat_map(|g| &g.points);
+        let is_gross = wrong.any(|w| w.number == number && w.target == reading.target);
         *row = if is_gross { *row + 1 } else { 0 };
         *row < IN_A_ROW
     })

@@ -18,7 +18,7 @@ use crate::points::model::Model;
 use crate::points::not_observable::not_observable;
 use crate::points::omnibus::{families, omnibus};
 use crate::points::places::places;
-use crate::points::screened::Screened;
+use crate::points::screened::{Screened, without};
 use crate::said::{Entry, Said};
 use crate::selection::{Fit, Hypothesis, Null, Part};
 use crate::{Error, LevelReport, Misfit, Shares};
@@ -64,6 +64,12 @@ pub(crate) fn diagnose_points(
     } = &mut believed.competed;
     add_rival_disturbances(base, &search.adjusted, wandering, &mut search.found)?;
     said(&screened, points, believed)
+}
+
+/// Whether causes take more than half of what is more than noise.
+fn does_most(model: &Model) -> bool {
+    let (bare, left) = (&model.bare, &model.projection);
+    bare.squares() - left.squares() > 0.5 * (bare.squares() - left.degrees_of_freedom)
 }
 
 fn suspects(found: &[Found]) -> Vec<Suspect> {
@@ -124,7 +130,7 @@ impl<'a> Believed<'a> {
     }
 
     /// The causes of a model but those that predict unused points worse than nothing, or merely imitate what is left. Among many
-    /// gross errors, which imitate anything, they must predict better.
+    /// gross errors, which imitate anything, they must predict better, and be most of the misfit.
     fn of(mut competed: Competed<Base<'a>>, are_many: bool) -> Result<Self, Error> {
         loop {
             let Competed {
@@ -155,7 +161,7 @@ impl<'a> Believed<'a> {
                     false => held_out(base, model, &suspects(found)),
                 };
                 let holds = match are_many {
-                    true => heldout.is_some_and(|h| h.is_gain()),
+                    true => heldout.is_some_and(|h| h.is_gain()) && does_most(model),
                     false => heldout.is_none_or(|h| !h.is_loss()),
                 };
                 if found.is_empty() || holds {
@@ -227,6 +233,7 @@ fn said(
         level: Level::Points,
         data: format!("{} points", base.readings.all.len()),
         noise_floor_um: noise_um,
+        prediction_u_um: None,
         before: misfit(before_um, |h| h.before),
         after: misfit(after_um, |h| h.after),
         gain,
@@ -247,7 +254,7 @@ fn said(
     let causes = causes.collect::<Result<_, Error>>()?;
     let is_changed = !effects.is_empty() || !disturbances.is_empty() || !gross.is_empty();
     let wandered_mm = wandered_mm(base, &model, None);
-    let corrected = is_changed.then(|| corrected(base, points, gross, &effects, &wandered_mm));
+    let corrected = is_changed.then(|| corrected(screened, points, &effects, &wandered_mm));
     let entry = Entry {
         report,
         causes,
@@ -257,7 +264,7 @@ fn said(
         entries: vec![entry],
         not_observable: not_observable(base, &sharp),
         notices: notices(screened),
-        rejected: gross.iter().map(Gross::rejected).collect(),
+        rejected: gross.iter().flat_map(Gross::rejected).collect(),
         ..Said::default()
     };
     Ok((said, corrected))
@@ -275,7 +282,8 @@ fn notices(screened: &Screened<'_>) -> Vec<String> {
     let (base, gross) = (&screened.base, &screened.gross);
     let mut notices = Vec::new();
     if !gross.is_empty() {
-        let lines: Vec<String> = gross.iter().map(|g| g.line.to_string()).collect();
+        let points = gross.iter().flat_map(Gross::rejected);
+        let lines: Vec<String> = points.map(|point| point.row.to_string()).collect();
         notices.push(format!(
             "points.csv: {} point(s) contradict all others and were left out: line(s) {}",
             lines.len(),
@@ -301,34 +309,23 @@ fn notices(screened: &Screened<'_>) -> Vec<String> {
 
 /// The campaign without gross errors and without what the causes, and what wanders (rows, mm), do to the coordinates.
 fn corrected(
-    base: &Base<'_>,
+    screened: &Screened<'_>,
     points: &Points,
-    gross: &[Gross],
     effects: &[ResolvedEffect],
     wandered_mm: &[f64],
 ) -> Campaign {
+    let base = &screened.base;
     let mut moved_mm = vec![Vector3::zeros(); points.readings.len()];
     for (i, reading) in base.readings.all.iter().enumerate() {
         let wandered_mm = base.of_rows(&wandered_mm[3 * i..3 * i + 3]);
         moved_mm[reading.number] = base.effect_mm(i, effects) + wandered_mm;
     }
-    let is_kept = |number: &usize| gross.iter().all(|g| g.number != *number);
-    let mut kept = Points::default();
-    for stop in &points.stops {
-        let first = kept.readings.len();
-        for number in stop.readings.clone().filter(is_kept) {
-            let mut reading = points.readings[number].clone();
-            reading.position_mm -= moved_mm[number];
-            kept.readings.push(reading);
-        }
-        if kept.readings.len() > first {
-            let mut stop = stop.clone();
-            stop.readings = first..kept.readings.len();
-            kept.stops.push(stop);
-        }
+    let mut moved = points.clone();
+    for (reading, moved_mm) in moved.readings.iter_mut().zip(moved_mm) {
+        reading.position_mm -= moved_mm;
     }
     Campaign {
-        points: Some(kept),
+        points: Some(without(&moved, &screened.numbers())),
         ..base.campaign.clone()
     }
 }

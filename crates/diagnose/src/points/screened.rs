@@ -27,8 +27,7 @@ impl<'a> Screened<'a> {
     ) -> Self {
         let mut gross: Vec<Gross> = Vec::new();
         loop {
-            let mut removed: Vec<usize> = gross.iter().map(|g| g.number).collect();
-            removed.sort_unstable();
+            let removed = numbers(&gross);
             let base = Base::new(campaign, scene, points, &removed);
             let model = Model::estimated(&base, &base.columns_of(causes));
             let next = stand_out(&base, &model);
@@ -37,7 +36,7 @@ impl<'a> Screened<'a> {
                 gross.clear();
             }
             if next.is_empty() || are_many {
-                gross.sort_by_key(|g| g.number);
+                gross.sort_by_key(|g| g.points[0].number);
                 return Self {
                     base: match are_many {
                         true => Base::new(campaign, scene, points, &[]),
@@ -82,8 +81,36 @@ impl<'a> Screened<'a> {
     }
 
     pub(super) fn numbers(&self) -> Vec<usize> {
-        self.gross.iter().map(|g| g.number).collect()
+        numbers(&self.gross)
     }
+}
+
+/// The points without those of these numbers; a stop without any is none.
+pub(super) fn without(points: &Points, removed: &[usize]) -> Points {
+    let mut kept = Points::default();
+    for stop in &points.stops {
+        let first = kept.readings.len();
+        let own = stop
+            .readings
+            .clone()
+            .filter(|number| !removed.contains(number));
+        kept.readings
+            .extend(own.map(|number| points.readings[number].clone()));
+        if kept.readings.len() > first {
+            let mut stop = stop.clone();
+            stop.readings = first..kept.readings.len();
+            kept.stops.push(stop);
+        }
+    }
+    kept
+}
+
+/// The points that leave, in order.
+fn numbers(gross: &[Gross]) -> Vec<usize> {
+    let points = gross.iter().flat_map(|g| &g.points);
+    let mut numbers: Vec<usize> = points.map(|point| point.number).collect();
+    numbers.sort_unstable();
+    numbers
 }
 
 /// The instant of a cause on the other side of a point that is left out, s, if of the points that show the effect none that is kept is

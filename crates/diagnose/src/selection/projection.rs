@@ -10,6 +10,7 @@ mod taken;
 
 use std::sync::Arc;
 
+use nalgebra::DMatrix;
 use trueaxis_leastsquares::dot;
 use trueaxis_multilateration::Whitened;
 
@@ -226,4 +227,11 @@ pub(crate) fn add(sum: &mut [f64], x: &[f64], factor: f64) {
     for (s, x) in sum.iter_mut().zip(x) {
         *s += factor * x;
     }
+}
+
+/// The length of each column beside all before it, `|r_kk|` of `QR`.
+pub(crate) fn lengths_beside_earlier(columns: &[Vec<f64>]) -> Vec<f64> {
+    let rows = columns.first().map_or(0, Vec::len);
+    let matrix = DMatrix::from_fn(rows, columns.len(), |i, k| columns[k][i]);
+    matrix.qr().r().diagonal().iter().map(|x| x.abs()).collect()
 }

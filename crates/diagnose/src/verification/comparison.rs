@@ -12,6 +12,7 @@ use trueaxis_predict::{
 };
 
 use crate::verification::arrivals::{Arrival, are_timed, arrivals, is_same, numbered_in_a_row};
+use crate::verification::whitening::lags;
 
 /// The effect of one axis on another.
 pub(crate) const COUPLING: &str = "cross_coupling";
@@ -31,6 +32,8 @@ pub(crate) struct Comparison<'a> {
     pub(crate) kind: &'a VerificationKind,
     /// When, where and what.
     pub(crate) arrivals: Vec<Arrival>,
+    /// Of each the time since the one before it, in usual ones.
+    pub(crate) lags: Vec<f64>,
     /// Measured minus predicted, µm.
     pub(crate) difference_um: Vec<f64>,
     /// Where the measured point is and in which direction its displacement counts.
@@ -77,6 +80,7 @@ impl<'a> Comparison<'a> {
             arrivals.iter().any(|a| !is_same(at(a), at(&arrivals[0])))
         });
         let passes = numbered_in_a_row(&arrivals, Arrival::is_of_pass);
+        let timed = are_timed(&verification.readings);
         let taken_out = calibration.map_or(&[][..], |own| &own.effects_taken_out);
         let taken_out = taken_out.iter().filter(|own| own.effect == COUPLING);
         let mut comparison = Self {
@@ -91,7 +95,8 @@ impl<'a> Comparison<'a> {
             parked_elsewhere: Vec::new(),
             calibrated_at: calibration.map_or_else(BTreeMap::new, calibrated_at),
             taken_out: taken_out.cloned().collect(),
-            timed: are_timed(&verification.readings),
+            timed,
+            lags: lags(&arrivals, timed),
             arrivals,
         };
         let axis = comparison.axis();

@@ -87,8 +87,7 @@ pub(crate) fn mistakes(comparison: &Comparison<'_>, far: &[(usize, f64)]) -> f64
 pub(crate) fn doubted(problem: &Problem<'_>, after: &Projection) -> Option<Unexplained> {
     let comparison = problem.comparison;
     let readings = problem.readings();
-    let left = after.residuals.iter().map(|r| r * problem.sigma_um);
-    let far = far_off(comparison, &left.collect::<Vec<f64>>());
+    let far = far_off(comparison, &problem.um(&after.residuals));
     if mistakes(comparison, &far) <= most(MOST, readings) as f64 {
         return None;
     }

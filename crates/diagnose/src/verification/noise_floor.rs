@@ -57,7 +57,7 @@ pub(crate) fn scatter(comparison: &Comparison<'_>) -> Option<Projection> {
 }
 
 /// An offset (and a slope), or a set-up, for each pass.
-fn pass_columns(comparison: &Comparison<'_>, with_slope: bool) -> Vec<Vec<f64>> {
+pub(crate) fn pass_columns(comparison: &Comparison<'_>, with_slope: bool) -> Vec<Vec<f64>> {
     let measured = comparison.axis();
     let shapes: Vec<Vec<f64>> = match comparison.kind {
         VerificationKind::Positioning { .. } => {

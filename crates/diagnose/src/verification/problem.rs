@@ -1,7 +1,7 @@
 //! A comparison as whitened observations, its base model and all hypotheses.
 //!
-//! Arrivals are independent with one standard deviation σ. The prediction's own errors join as
-//! unknowns with a pseudo-observation each, below the readings:
+//! Arrivals have one standard deviation σ, and are independent or those of an autoregressive process ([`Whitening`]). The prediction's
+//! own errors join as unknowns with a pseudo-observation each, below the readings; here without correlations:
 //!
 //! ```text
 //! [ (measured - predicted)/σ ]   [ B/σ  P/σ ] [ b ]
@@ -19,6 +19,7 @@ use crate::verification::held_out::folds;
 use crate::verification::hypotheses::candidates;
 use crate::verification::omnibus::families;
 use crate::verification::wandering::FittedProcess;
+use crate::verification::whitening::Whitening;
 
 /// What there is to explain, and what may explain it.
 pub(crate) struct Problem<'a> {
@@ -30,6 +31,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) wanders: bool,
     /// Standard deviation of an arrival that the rows are divided by, µm.
     pub(crate) sigma_um: f64,
+    /// By what it is white.
+    pub(crate) whitening: Whitening<'a>,
     /// The part of its variance that the last digit of the readings has.
     pub(crate) least_variance: f64,
     /// The part of the variance of a row that the last digit hides from the residuals.
@@ -39,13 +42,14 @@ pub(crate) struct Problem<'a> {
     /// That of the base model with the prediction taken as it is, for readings that are held out: a
     /// prediction that learns from the other readings is no longer that of the calibration.
     pub(crate) as_predicted: Projection,
+    /// Standard uncertainty of the prediction, rms of the readings, µm.
+    pub(crate) prediction_u_um: Option<f64>,
     /// What is left is tested to vary with.
     pub(crate) families: Arc<[Family]>,
     /// Of each reading the fold that it is left out with.
     pub(crate) folds: Arc<[usize]>,
     /// Of false alarms.
     pub(crate) level: f64,
-    pseudo: usize,
 }
 
 /// What a comparison is whitened with: columns over the readings in µm per unit.
@@ -54,6 +58,8 @@ pub(crate) struct Given<'a> {
     /// Of false alarms.
     pub(crate) level: f64,
     pub(crate) sigma_um: f64,
+    /// Of arrivals that follow each other.
+    pub(crate) correlation: f64,
     /// Standard uncertainty from the last digit, and what that hides of the noise.
     pub(crate) resolution_um: f64,
     pub(crate) hidden_um: f64,
@@ -64,11 +70,24 @@ pub(crate) struct Given<'a> {
 
 impl<'a> Problem<'a> {
     pub(crate) fn new(comparison: &'a Comparison<'a>, scene: &Scene, given: &Given<'_>) -> Self {
-        let (sigma_um, pseudo) = (given.sigma_um, given.prediction.len());
-        let whiten = move |column: &[f64]| whitened(column, sigma_um, pseudo);
+        let sigma_um = given.sigma_um;
+        let whitening = Whitening {
+            lags: &comparison.lags,
+            sigma_um,
+            correlation: given.correlation,
+            pseudo: given.prediction.len(),
+        };
+        let whiten = move |column: &[f64]| whitening.whiten(column);
         let mut columns: Vec<Vec<f64>> = given.base.iter().map(|c| whiten(c)).collect();
         let observations = whiten(&comparison.difference_um);
         let as_predicted = Projection::dense(observations.clone(), &columns);
+        let mut variance = 0.0;
+        for direction in given.prediction {
+            let mut own = whiten(direction);
+            as_predicted.project(&mut own);
+            let readings = whitening.um(&own).into_iter();
+            variance += readings.map(|x| x * x).sum::<f64>() / direction.len() as f64;
+        }
         for (k, direction) in given.prediction.iter().enumerate() {
             let mut column = whiten(direction);
             column[direction.len() + k] = 1.0;
@@ -79,6 +98,7 @@ impl<'a> Problem<'a> {
         let candidates = candidates(comparison, scene, move |column| whiten(&column));
         Self {
             as_predicted,
+            prediction_u_um: (!given.prediction.is_empty()).then(|| variance.sqrt()),
             comparison,
             calibrated: given.calibrated,
             wanders: false,
@@ -86,13 +106,13 @@ impl<'a> Problem<'a> {
             folds: folds(comparison).into(),
             level: given.level,
             sigma_um,
+            whitening,
             hidden,
             least_variance: (given.resolution_um / sigma_um).powi(2) + hidden,
             listed: Listed {
                 base,
                 candidates: candidates.into(),
             },
-            pseudo,
         }
     }
 
@@ -118,14 +138,14 @@ impl<'a> Problem<'a> {
 
     /// Readings, without the pseudo-observations.
     pub(crate) fn readings(&self) -> usize {
-        self.listed.base.rows() - self.pseudo
+        self.listed.base.rows() - self.whitening.pseudo
     }
 
     /// The prediction taken as it is with causes in the model, for readings beside those of others: with what the last digit hides
     /// of their noise, pseudo-observations have none.
     pub(crate) fn part(&self, causes: &[Chosen]) -> Projection {
         let part = self.as_predicted.extended(&self.listed.columns(causes));
-        let of_readings = 1.0 - self.pseudo as f64 / part.degrees_of_freedom;
+        let of_readings = 1.0 - self.whitening.pseudo as f64 / part.degrees_of_freedom;
         part.with_hidden(self.hidden * of_readings.max(0.0))
     }
 
@@ -136,7 +156,12 @@ impl<'a> Problem<'a> {
 
     /// A column over the readings as one of the model.
     pub(crate) fn whiten(&self, column: &[f64]) -> Vec<f64> {
-        whitened(column, self.sigma_um, self.pseudo)
+        self.whitening.whiten(column)
+    }
+
+    /// The readings of a column of the model, µm.
+    pub(crate) fn um(&self, whitened: &[f64]) -> Vec<f64> {
+        self.whitening.um(whitened)
     }
 
     /// Rms for one degree of freedom of what a model leaves and the last digit hides, µm.
@@ -144,16 +169,11 @@ impl<'a> Problem<'a> {
         self.sigma_um * (model.squares() / model.degrees_of_freedom.max(1.0)).sqrt()
     }
 
-    /// The same of what is seen of it.
-    pub(crate) fn seen_rms_um(&self, model: &Projection) -> f64 {
-        let hidden = self.hidden * self.listed.base.degrees_of_freedom;
-        let seen = (model.squares() - hidden).max(0.0);
-        self.sigma_um * (seen / model.degrees_of_freedom.max(1.0)).sqrt()
+    /// Rms for one degree of freedom of what is seen of the readings less the prediction as it is and causes, µm.
+    pub(crate) fn seen_rms_um(&self, causes: &[Chosen]) -> f64 {
+        let left = self.part(causes);
+        let degrees_of_freedom = left.degrees_of_freedom - self.whitening.pseudo as f64;
+        let seen = (left.squares() - self.hidden * degrees_of_freedom).max(0.0);
+        self.sigma_um * (seen / degrees_of_freedom.max(1.0)).sqrt()
     }
-}
-
-fn whitened(column: &[f64], sigma_um: f64, pseudo: usize) -> Vec<f64> {
-    let mut row: Vec<f64> = column.iter().map(|x| x / sigma_um).collect();
-    row.resize(column.len() + pseudo, 0.0);
-    row
 }

@@ -17,18 +17,18 @@ use crate::{Cause, Place, Rival};
 
 /// Root mean square of a column over the readings, µm.
 pub(crate) fn rms_of_readings_um(problem: &Problem<'_>, column: &[f64]) -> f64 {
-    let readings = &column[..problem.readings()];
+    let readings = problem.um(column);
     let squares: f64 = readings.iter().map(|x| x * x).sum();
-    problem.sigma_um * (squares / readings.len() as f64).sqrt()
+    (squares / readings.len() as f64).sqrt()
 }
 
-/// The causes with their values, rivals and gains. `base` is the model without anything; `wandering` is beside them, and
-/// `wandered` what it does, whitened.
+/// The causes with their values, rivals and gains. `predicted` leaves what the readings show beside the prediction as it is;
+/// `wandering` is beside them, and `wandered` what it does, whitened.
 pub(crate) fn causes(
     problem: &Problem<'_>,
     scene: &Scene,
     chosen: &[Chosen],
-    (base, after): (&Projection, &Projection),
+    (predicted, after): (&Projection, &Projection),
     (wandering, wandered): (&[FittedProcess], &[f64]),
 ) -> Vec<Cause> {
     let joint = Fit::new(&problem.listed.base, &problem.listed.columns(chosen));
@@ -41,8 +41,8 @@ pub(crate) fn causes(
         .zip(wandered)
         .map(|(a, b)| a + b)
         .collect();
-    base.project(&mut rest);
-    for (rest, residual) in rest.iter_mut().zip(&base.residuals) {
+    predicted.project(&mut rest);
+    for (rest, residual) in rest.iter_mut().zip(&predicted.residuals) {
         *rest = residual - *rest;
     }
     let mut causes = Vec::new();
@@ -67,8 +67,8 @@ pub(crate) fn causes(
         for parameter in &mut said.parameters {
             parameter.unit = problem.comparison.unit_of(parameter.unit);
         }
-        let mut fitted = combined(base.rows(), &columns, &sized.fit.estimates);
-        base.project(&mut fitted);
+        let mut fitted = combined(predicted.rows(), &columns, &sized.fit.estimates);
+        predicted.project(&mut fitted);
         let misfit: Vec<f64> = rest.iter().zip(&fitted).map(|(a, b)| a + b).collect();
         let gain = gain_of(problem, chosen, k);
         let along_it: Vec<_> = shown_along(problem.comparison, &candidate.hypothesis).collect();
@@ -94,6 +94,7 @@ pub(crate) fn causes(
 /// The misfit without a cause, and what its fit explains.
 fn shown(problem: &Problem<'_>, scene: &Scene, misfit: &[f64], fitted: &[f64]) -> Option<Fitted> {
     let arrivals = problem.comparison.arrivals.iter().enumerate();
+    let (misfit, fitted) = (problem.um(misfit), problem.um(fitted));
     let row = |(i, arrival): (usize, &Arrival)| {
         let moving = problem.comparison.moving.iter();
         Row {
@@ -103,8 +104,8 @@ fn shown(problem: &Problem<'_>, scene: &Scene, misfit: &[f64], fitted: &[f64]) -
                 .map(|&axis| (axis, arrival.positions[axis]))
                 .collect(),
             direction: arrival.direction,
-            misfit: problem.sigma_um * misfit[i],
-            fitted: problem.sigma_um * fitted[i],
+            misfit: misfit[i],
+            fitted: fitted[i],
             u: problem.reading_um(),
         }
     };
@@ -213,7 +214,8 @@ pub(crate) fn places(problem: &Problem<'_>, before: &Projection, after: &Project
         [before, after].map(|model| {
             let squares: f64 = rows.iter().map(|&row| model.residuals[row].powi(2)).sum();
             // The rows' share of the degrees of freedom.
-            let share = model.degrees_of_freedom / problem.readings() as f64;
+            let degrees_of_freedom = model.degrees_of_freedom - problem.whitening.pseudo as f64;
+            let share = degrees_of_freedom / problem.readings() as f64;
             problem.sigma_um * (squares / (rows.len() as f64 * share)).sqrt()
         })
     };

@@ -97,7 +97,7 @@ impl<'a> Series<'a> {
             problem,
             scene,
             &chosen,
-            (before, &after),
+            (&plain.as_predicted, &after),
             (wandering, &course),
         );
         for others in as_good {
@@ -125,8 +125,8 @@ impl<'a> Series<'a> {
         let is_single = chosen.len() + wandering.len() == 1;
         let gain = gain.map(|bounded| bounded.gain).filter(|_| !is_plain);
         let disturbances = wandered(problem, &courses, &after, gain.filter(|_| is_single));
-        let misfit = |model, held: &HeldOut| Misfit {
-            rms_um: problem.seen_rms_um(model),
+        let misfit = |problem: &Problem<'_>, causes: &[Chosen], held: &HeldOut| Misfit {
+            rms_um: problem.seen_rms_um(causes),
             heldout_rms_um: held.rms().map(|rms| rms * problem.sigma_um),
         };
         Entry {
@@ -134,14 +134,15 @@ impl<'a> Series<'a> {
                 level: Level::Verification,
                 data: self.name.to_owned(),
                 noise_floor_um: self.noise_floor_um,
-                before: misfit(before, &held_before),
-                after: misfit(&after, &held_after),
+                prediction_u_um: plain.prediction_u_um,
+                before: misfit(plain, &[], &held_before),
+                after: misfit(problem, &chosen, &held_after),
                 gain,
                 shares: Shares::of_parts(before, &parts, unexplained.is_some()),
                 unexplained,
                 tests: tests.into_iter().map(|t| t.test).collect(),
                 tests_after: tests_after.into_iter().map(|t| t.test).collect(),
-                places: report::places(problem, before, &after),
+                places: report::places(problem, &plain.as_predicted, &problem.part(&chosen)),
             },
             causes,
             disturbances,

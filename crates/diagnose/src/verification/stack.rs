@@ -17,7 +17,9 @@ use crate::selection::{Fit, Hypothesis, Projection, combined, dot};
 use crate::verification::comparison::TIMESTAMP_OFFSET;
 use crate::verification::hypotheses::is_continuous;
 use crate::verification::prediction_error::prediction_directions;
+use crate::verification::problem::Problem;
 use crate::verification::series::Series;
+use crate::verification::whitening::Whitening;
 
 /// The system and what may be common to its series.
 pub(crate) struct Stack<'s> {
@@ -65,12 +67,14 @@ impl<'s> Stack<'s> {
             let comparisons: Vec<_> = all.iter().map(|series| series.plain.comparison).collect();
             let finest_um = scales_um.iter().copied().fold(f64::INFINITY, f64::min);
             let directions = prediction_directions(&comparisons, calibration, finest_um);
-            let of_rows = all.iter().zip(&scales_um);
-            let of_rows = of_rows.flat_map(|(s, &um)| std::iter::repeat_n(um, s.plain.readings()));
-            let of_rows: Vec<f64> = of_rows.collect();
             let whitened = directions.iter().map(|column| {
-                let column = column.iter().zip(&of_rows);
-                column.map(|(x, um)| x / um).collect()
+                let mut rest = column.as_slice();
+                let parts = all.iter().zip(&scales_um).flat_map(|(series, &um)| {
+                    let (own, others) = rest.split_at(series.plain.readings());
+                    rest = others;
+                    in_scale(&series.plain, own, um)
+                });
+                parts.collect()
             });
             let whitened: Vec<Vec<f64>> = whitened.collect();
             if !whitened.is_empty() {
@@ -281,12 +285,22 @@ fn column<'s>(
         match member {
             Some(_) => {
                 let column = comparison.column(effect, subject, parameter, shape);
-                whole.extend(column.iter().map(|x| x / scale_um));
+                whole.extend(in_scale(&series.plain, &column, *scale_um));
             }
             None => whole.resize(whole.len() + series.plain.readings(), 0.0),
         }
     }
     whole
+}
+
+/// A column over the readings of a series, in µm, as one of all series, of noise with a standard deviation.
+fn in_scale(plain: &Problem<'_>, column: &[f64], scale_um: f64) -> Vec<f64> {
+    let whitening = Whitening {
+        sigma_um: scale_um,
+        pseudo: 0,
+        ..plain.whitening
+    };
+    whitening.whiten(column)
 }
 
 /// Standard deviation of a reading that the causes of a series leave, µm.

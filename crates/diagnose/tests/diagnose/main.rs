@@ -12,6 +12,7 @@ mod calibrated_lines;
 mod circles;
 mod clean;
 mod copied;
+mod correlated;
 mod counts;
 mod coupling;
 mod curves;

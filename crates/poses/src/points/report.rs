@@ -87,6 +87,10 @@ pub(crate) fn points_report(
         false => "uncertainties are those of the declared noise",
     };
     notices.extend(report.residual_notices(consequence, both_sides));
+    if !report.noise_declared && campaign.instrument.length_sigma_um.is_some() {
+        let text = "length_sigma_um is the noise of lengths: points have theirs in a column `sigma_um` of points.csv";
+        notices.push(text.to_owned());
+    }
     (report, notices)
 }
 

@@ -144,6 +144,16 @@ impl Plot {
         }
     }
 
+    /// Says in a file of its own what marks of a class mean.
+    pub(crate) fn add_key(&mut self, class: &str, words: &str) {
+        self.drawing.add_key(class, words);
+    }
+
+    pub(crate) fn crosses(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
+        let points = self.inside(points);
+        self.drawing.crosses(class, points.into_iter());
+    }
+
     pub(crate) fn finish(self) -> Drawing {
         self.drawing
     }

@@ -156,10 +156,16 @@ fn slopes(request: &Request<'_>, line: &Line, along: usize, travel: [f64; 2]) ->
             .map(|(low_d, high_d)| (high_d - low_d) / (high - low))
             .collect()
     };
-    let home = slopes_at(0.0);
-    let less_home = |&position: &f64| {
-        let pairs = slopes_at(position).into_iter().zip(&home);
-        pairs.map(|(slope, home)| slope - home).collect()
-    };
-    line.positions.iter().map(less_home).collect()
+    let mut all: Vec<Vec<f64>> = line.positions.iter().map(|&q| slopes_at(q)).collect();
+    // What the table itself has there, where no point may be.
+    let axes = 0..machine.axes().len();
+    let home = axes.map(|of| interpolate(&line.positions, |k| all[k][of], 0.0));
+    let home: Vec<f64> = home.collect();
+    for slopes in &mut all {
+        slopes
+            .iter_mut()
+            .zip(&home)
+            .for_each(|(slope, home)| *slope -= home);
+    }
+    all
 }

@@ -41,6 +41,10 @@ const MOST: f64 = 5.0;
 /// Lines around the assignments, as they begin.
 const AROUND: [&str; 5] = ["%", "CHANDATA", "M17", "M30", "M02"];
 
+/// The first line of an archive, and the last of its file.
+const HEAD: &str = "%_N_";
+const END: &str = "M17";
+
 /// The tables of a file, for the axes of a machine.
 pub(crate) fn read(file: &ExportedFile, machine: &Machine) -> Result<Sag, Error> {
     let mut all: BTreeMap<String, Assigned> = BTreeMap::new();
@@ -91,6 +95,14 @@ pub(crate) fn read(file: &ExportedFile, machine: &Machine) -> Result<Sag, Error>
                 }
             }
         }
+    }
+    let begins = file.text.lines().any(|line| line.trim().starts_with(HEAD));
+    let ends = file.text.lines().any(|line| line.trim().starts_with(END));
+    if begins && !ends {
+        let last = file.text.lines().count();
+        let found = file.text.lines().last().unwrap_or_default();
+        let expected = "M17 at the end, as the head of the file promises; the file may be cut off";
+        return Err(wrong(&file.name, last, found, expected));
     }
     if all.is_empty() {
         let expected = "tables, as $AA_ENC_COMP[0,0,AX1]=0.001 and so on";

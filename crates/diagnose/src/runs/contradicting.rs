@@ -1,0 +1,97 @@
+//! Runs of measured points that contradict each other in the calibration: something is wrong, and no cause is sought.
+
+use trueaxis_calibrate::Calibration;
+use trueaxis_effects::Level;
+use trueaxis_kinematics::MICROMETRE;
+
+use crate::said::Entry;
+use crate::{LevelReport, Misfit, OmnibusTest, Shares, Unexplained};
+
+/// What the calibration rejects: runs of one axis, and those that see the stage turned.
+pub(crate) fn contradicting_runs(calibration: &Calibration) -> Option<Entry> {
+    let of_axes = calibration.axes.iter().filter_map(|axis| {
+        let runs = axis.runs.as_ref()?;
+        let said = format!("runs {} of axis {} differ", runs.runs.join(", "), axis.name);
+        let squares = (runs.chi_squared, runs.degrees_of_freedom);
+        Some((said, runs.p_value, squares, runs.rms_mm))
+    });
+    let turned = calibration.turned_runs.iter().map(|own| {
+        let said = format!(
+            "runs {} are turned against each other",
+            own.runs.join(" and ")
+        );
+        let moved_mm = own.turned_rad.norm() * arm_mm(calibration);
+        (said, own.p_value, (own.chi_squared, 3), moved_mm)
+    });
+    let all: Vec<_> = of_axes.chain(turned).collect();
+    let largest_mm = all.iter().map(|(.., mm)| *mm).reduce(f64::max)?;
+    let squares: f64 = all.iter().map(|(_, _, (squares, _), _)| squares).sum();
+    let columns: usize = all.iter().map(|(_, _, (_, columns), _)| columns).sum();
+    let columns = columns as f64;
+    let noise = (columns / squares.max(columns)).min(1.0);
+    let rms_um = largest_mm / MICROMETRE;
+    let misfit = Misfit {
+        rms_um,
+        heldout_rms_um: None,
+    };
+    let tests = all
+        .iter()
+        .map(|(said, p_value, (_, columns), _)| OmnibusTest {
+            varies_with: "run",
+            detail: Some(said.clone()),
+            columns: *columns,
+            p_value: *p_value,
+        });
+    let tests: Vec<OmnibusTest> = tests.collect();
+    let said: Vec<String> = all.into_iter().map(|(said, ..)| said).collect();
+    let said = said.join("; ");
+    Some(Entry {
+        causes: Vec::new(),
+        disturbances: Vec::new(),
+        report: LevelReport {
+            level: Level::Points,
+            data: "runs".to_owned(),
+            noise_floor_um: rms_um * noise.sqrt(),
+            prediction_u_um: None,
+            before: misfit,
+            after: misfit,
+            gain: None,
+            shares: Shares {
+                causes: Vec::new(),
+                disturbances: Vec::new(),
+                unexplained: 1.0 - noise,
+                noise,
+            },
+            unexplained: Some(Unexplained {
+                level: Level::Points,
+                data: String::new(),
+                rms_um,
+                share: 0.0,
+                is_of_tests: false,
+                varies_with: vec!["run"],
+                note: format!(
+                    "{said}: the instrument or its frame was moved between runs, the machine shifted, or one axis moves another"
+                ),
+            }),
+            tests: tests.clone(),
+            tests_after: tests,
+            places: Vec::new(),
+        },
+    })
+}
+
+/// Rms distance of the targets from their middle, mm.
+fn arm_mm(calibration: &Calibration) -> f64 {
+    let targets = || {
+        calibration
+            .targets
+            .iter()
+            .map(|target| target.position_mm.coords)
+    };
+    let count = calibration.targets.len().max(1) as f64;
+    let middle = targets().sum::<nalgebra::Vector3<f64>>() / count;
+    let squares: f64 = targets()
+        .map(|target| (target - middle).norm_squared())
+        .sum();
+    (squares / count).sqrt()
+}
