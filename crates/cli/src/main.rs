@@ -26,7 +26,6 @@ mod output;
 mod predict;
 mod progress;
 mod report;
-mod reversal;
 mod schema;
 mod simulate;
 mod summary;

@@ -42,6 +42,7 @@ mod error;
 mod lengths;
 mod measure;
 mod missing;
+mod nominal_positions;
 mod points;
 mod poses;
 mod report;
@@ -59,6 +60,7 @@ pub use lengths::{
 };
 pub use measure::{MeasuredPoses, NoiseByEquations, measure};
 pub use missing::missing;
+pub use nominal_positions::{homes_out_of_reach, targets_elsewhere};
 pub use poses::{PoseNoise, PoseObservation, Poses, TargetBody, ThroughSources, turned_about};
 pub use report::{
     AdjustmentReport, InterruptedOccupation, KnownMisfit, NoiseReport, PartReport, RejectedLength,

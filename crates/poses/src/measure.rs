@@ -202,7 +202,7 @@ fn from_points<'a>(
     }
     let misfits = rigidity::misfits(campaign, &found, adjustment.noise_declared);
     found.poses.follow(&adjustment);
-    let noise_dof = adjustment.degrees_of_freedom;
+    let noise_dof = adjustment.factor_degrees_of_freedom;
     let turned_runs = turned_runs(campaign, &found.poses, noise_dof);
     notices.extend(turned_runs.iter().map(TurnedRuns::in_words));
     // What is drawn from it, too.

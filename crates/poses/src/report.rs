@@ -135,8 +135,12 @@ pub struct TurnedRuns {
     pub turned_rad: Vector3<f64>,
     /// Standard uncertainties.
     pub u_rad: Vector3<f64>,
-    /// `θᵀ C⁻¹ θ`, with three degrees of freedom.
+    /// What that moves the targets by, rms about their middle, mm.
+    pub moved_mm: f64,
+    /// `θᵀ C⁻¹ θ`.
     pub chi_squared: f64,
+    /// Its degrees of freedom: angles about rotary axes that carry the targets are not asked.
+    pub degrees_of_freedom: usize,
     /// Probability of one as large if nothing moved between the runs.
     pub p_value: f64,
 }
@@ -153,7 +157,8 @@ impl TurnedRuns {
         });
         format!(
             "runs {a} and {b} see the stage turned against each other where all axes stand alike ({}): {} (u); the instrument was moved or \
-             turned between them, or the machine shifted, and the angles between their lines (squareness, axis locations) are wrong by as \
+              turned between them, the machine shifted, or an axis tilts the stage by its lost motion; the angles between their lines \
+             (squareness, axis locations) are wrong by as \
              much, which their U does not contain",
             self.at,
             parts.collect::<Vec<_>>().join(", ")

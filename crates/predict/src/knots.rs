@@ -14,17 +14,20 @@ const NEAR: f64 = 0.25;
 /// A divided difference as a function of the nodes, which it is over.
 pub(crate) type DividedDifference = Vec<(usize, f64)>;
 
-/// Where a node is, mm or rad.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Steps whose distance is less than this part of another in the same polynomial are one: what they differ by is noise, and no slope.
+const COINCIDENT: f64 = 0.02;
+
+/// Where nodes are, mm or rad.
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Step {
     pub(crate) position: f64,
-    pub(crate) node: usize,
+    pub(crate) nodes: Vec<usize>,
 }
 
 /// A step, or steps that are near each other, in order.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Knot {
-    /// The mean of its steps.
+    /// The mean of its nodes.
     pub(crate) position: f64,
     pub(crate) steps: Vec<Step>,
 }
@@ -38,6 +41,10 @@ impl Knot {
             .map(|step| (step.position - position).abs());
         distances.fold(f64::INFINITY, f64::min)
     }
+
+    fn nodes(&self) -> impl Iterator<Item = usize> {
+        self.steps.iter().flat_map(|step| &step.nodes).copied()
+    }
 }
 
 /// Distances of neighbouring knots.
@@ -48,8 +55,18 @@ pub(crate) fn gaps(knots: &[Knot]) -> Vec<f64> {
         .collect()
 }
 
-/// Makes one of neighbours that are near each other, those nearest beside the others first, until none are.
+/// Knots of steps in order: those that coincide are one step, those that are near each other one knot.
 pub(crate) fn well_apart(steps: Vec<Step>) -> Vec<Knot> {
+    let coincident = gathered(steps, COINCIDENT).into_iter();
+    let steps = coincident.map(|knot| Step {
+        nodes: knot.nodes().collect(),
+        position: knot.position,
+    });
+    gathered(steps.collect(), NEAR)
+}
+
+/// Makes one of neighbours that are nearer than a part of the other gaps, those nearest beside the others first, until none are.
+fn gathered(steps: Vec<Step>, near: f64) -> Vec<Knot> {
     let of_one = |step: Step| Knot {
         position: step.position,
         steps: vec![step],
@@ -65,24 +82,34 @@ pub(crate) fn well_apart(steps: Vec<Step>) -> Vec<Knot> {
         };
         let shares = (0..gaps.len()).map(|k| (k, share(k)));
         let nearest = shares.min_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((k, _)) = nearest.filter(|&(_, share)| share < NEAR) else {
+        let Some((k, _)) = nearest.filter(|&(_, share)| share < near) else {
             return knots;
         };
         let next = knots.remove(k + 1);
         let knot = &mut knots[k];
-        let share = next.steps.len() as f64 / (knot.steps.len() + next.steps.len()) as f64;
+        let share =
+            next.nodes().count() as f64 / (knot.nodes().count() + next.nodes().count()) as f64;
         knot.position += share * (next.position - knot.position);
         knot.steps.extend(next.steps);
     }
 }
 
-/// Shares the weights of knots among their steps.
+/// Shares the weight of a step or a knot among its nodes.
+pub(crate) fn shared(
+    nodes: impl Iterator<Item = usize> + Clone,
+    weight: f64,
+) -> impl Iterator<Item = (usize, f64)> {
+    let share = weight / nodes.clone().count() as f64;
+    nodes.map(move |node| (node, share))
+}
+
 fn of_nodes(knots: &[Knot], weight: impl Fn(&Knot) -> f64) -> Vec<(usize, f64)> {
-    let shared = knots.iter().flat_map(|knot| {
-        let share = weight(knot) / knot.steps.len() as f64;
-        knot.steps.iter().map(move |step| (step.node, share))
-    });
-    shared.collect()
+    let mut weights = Vec::new();
+    for knot in knots {
+        let nodes: Vec<usize> = knot.nodes().collect();
+        weights.extend(shared(nodes.iter().copied(), weight(knot)));
+    }
+    weights
 }
 
 /// As many knots of the turns before and after as a polynomial at the ends takes; those of both ends that are nearly at
@@ -93,7 +120,7 @@ pub(crate) fn with_other_turns(knots: &[Knot], largest_gap: f64) -> Vec<Knot> {
     let turned = |by: f64| {
         let step = move |step: &Step| Step {
             position: step.position + by,
-            ..*step
+            nodes: step.nodes.clone(),
         };
         knots.iter().map(move |knot| Knot {
             position: knot.position + by,

@@ -217,24 +217,28 @@ fn misfits(
     for (k, (place, _)) in places.iter().enumerate() {
         let k = k as f64;
         let (before, after) = (rough(place.before_um), rough(place.after_um));
-        let mut place_it = |class: &str, point: [f64; 2], what: &str| {
-            plot.dots(class, std::iter::once(point));
+        let mut place_it = |point: [f64; 2], what: &str, is_without: bool| {
+            let at = std::iter::once(point);
+            match is_without {
+                true => plot.crosses("pk x", at),
+                false => plot.dots("mk", at),
+            }
             plot.hover(point, &format!("{} {}: {what}", place.by, place.name));
         };
         if level.is_explained() {
             let what = format!("{before} µm without, {after} µm with the causes");
-            place_it("m1", [k - 0.12, place.before_um], &what);
-            place_it("m0", [k + 0.12, place.after_um], &what);
+            place_it([k - 0.12, place.before_um], &what, true);
+            place_it([k + 0.12, place.after_um], &what, false);
         } else {
-            place_it("m1", [k, place.before_um], &format!("{before} µm"));
+            place_it([k, place.before_um], &format!("{before} µm"), false);
         }
     }
     match level.is_explained() {
         true => {
-            plot.add_key("m1", "without");
-            plot.add_key("m0", "with causes and disturbances in the model");
+            plot.add_key("pk x", "without");
+            plot.add_key("mk", "with causes and disturbances in the model");
         }
-        false => plot.add_key("m1", "misfit"),
+        false => plot.add_key("mk", "misfit"),
     }
     plot.add_key("rule", "noise alone");
     Some(Figure::new(name, plot.finish()))

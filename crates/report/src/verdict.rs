@@ -129,19 +129,20 @@ const UNSEEN_UM: f64 = 0.1;
 impl Consequence {
     fn new(diagnosis: &Diagnosis) -> Self {
         let of_model = diagnosis.causes.iter().filter(|cause| !cause.is_of_curve());
-        let told = of_model
-            .map(changes)
-            .find_map(|(most, text)| Some((most?, text)));
-        let Some((most_um, text)) = told else {
+        let told: Vec<(Option<f64>, String)> = of_model.map(changes).collect();
+        // What one of them says, all together change.
+        let Some((_, text)) = told.iter().find(|(most, _)| most.is_some()) else {
             return Self::default();
         };
+        let is_unseen = |most: &Option<f64>| most.is_some_and(|um| um < UNSEEN_UM);
+        let are_unseen = told.iter().all(|(most, _)| is_unseen(most));
         let mut shares = diagnosis
             .levels
             .iter()
             .map(|level| level.shares.unexplained);
         let is_all = diagnosis.disturbances.is_empty() && shares.all(|share| share <= 0.0);
         Self {
-            is_none_of_it: most_um < UNSEEN_UM && is_all,
+            is_none_of_it: are_unseen && is_all,
             said: Some(format!("Without that the results would differ by: {text}.")),
         }
     }

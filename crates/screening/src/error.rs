@@ -43,6 +43,16 @@ pub enum Error {
     },
 }
 
+impl Error {
+    /// Whether lengths contradict each other too much.
+    pub(crate) fn is_contradiction(&self) -> bool {
+        matches!(
+            self,
+            Self::TooManyGrossErrors { .. } | Self::PartLost { .. } | Self::Undecidable { .. }
+        )
+    }
+}
+
 /// A part of a network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {

@@ -17,12 +17,19 @@
 //!
 //! A campaign without gross errors passes after one adjustment and its tests.
 
-use trueaxis_multilateration::{Network, Settings};
+use trueaxis_multilateration::{Network, Noise, Settings};
 
 use crate::Error;
+use crate::estimate_noise::level;
 use crate::guard::MOST_REMOVED;
 use crate::screened::Screened;
 use crate::search::Search;
+
+/// Repeatability beside the noise of a length, where it is guessed to be the larger part.
+const MUCH_LARGER: f64 = 10.0;
+
+/// A larger repeatability is to be declared, mm: what makes a machine look like that is rather a mistake.
+const MOST_RETURN_MM: f64 = 0.01;
 
 /// Estimates of the noise, each followed by another look at the tests.
 const MAX_NOISE_UPDATES: usize = 5;
@@ -48,18 +55,38 @@ pub fn screen_within(
     most_removed: f64,
     settings: &Settings,
 ) -> Result<Screened, Error> {
-    let work = || Search::new(network, declared, most_removed, settings);
-    match screen_by(network, work()?) {
-        // A zero that wanders far looks like many gross errors; cut in pieces it may be bearable.
-        Err(
-            Error::TooManyGrossErrors { .. } | Error::PartLost { .. } | Error::Undecidable { .. },
-        ) => {
-            let mut work = work()?;
-            work.cuts_what_wanders = true;
-            screen_by(network, work)
+    let tried = |noise: Noise| {
+        let work = || Search::new(network, noise, declared, most_removed, settings);
+        match screen_by(network, work()?) {
+            // A zero that wanders far looks like many gross errors; cut in pieces it may be bearable.
+            Err(error) if error.is_contradiction() => {
+                let mut work = work()?;
+                work.cuts_what_wanders = true;
+                screen_by(network, work)
+            }
+            done => done,
+        }
+    };
+    if declared {
+        return tried(network.noise);
+    }
+    // A guess allows for a machine that does not return exactly: lengths of a visit that are off together are then no gross errors.
+    let alike = level(network.noise);
+    let returns_badly = Noise {
+        repeatability_mm: MUCH_LARGER * alike.repeatability_mm,
+        ..alike
+    };
+    match tried(alike) {
+        Err(error) if error.is_contradiction() => {
+            tried(returns_badly).ok().filter(returns).ok_or(error)
         }
         done => done,
     }
+}
+
+/// Whether a machine may return so badly without being told.
+fn returns(screened: &Screened) -> bool {
+    screened.noise.repeatability.sigma_mm < MOST_RETURN_MM
 }
 
 fn screen_by(network: &Network, mut work: Search<'_>) -> Result<Screened, Error> {

@@ -10,12 +10,12 @@ use std::sync::Arc;
 
 use trueaxis_leastsquares::student_two_sided;
 use trueaxis_multilateration::{
-    self as multilateration, Interruption, Network, ReadingTest, Settings, Solution, Start, Tests,
-    Whitened, solve, solve_from,
+    self as multilateration, Interruption, Network, Noise, ReadingTest, Settings, Solution, Start,
+    Tests, Whitened, solve, solve_from,
 };
 
 use self::far_readings::far_at;
-use crate::estimate_noise::{NoiseEstimate, level};
+use crate::estimate_noise::NoiseEstimate;
 use crate::interruption::Excluded;
 use crate::reliability::{Reliability, of_tests};
 use crate::robust_weights::{REMOVED, scale};
@@ -95,9 +95,10 @@ pub(crate) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Work on a copy of `network`; readings that are far off at the start have left already.
+    /// Work on a copy of `network` with this noise at first; readings that are far off at the start have left already.
     pub(crate) fn new(
         network: &Network,
+        noise: Noise,
         declared: bool,
         most_removed: f64,
         settings: &'a Settings,
@@ -109,12 +110,6 @@ impl<'a> Search<'a> {
         }
         let readings = network.readings.len();
         let mut variance_factors = vec![1.0; readings];
-        // A guess allows for a machine that does not return exactly: lengths of a visit that are off
-        // together are then no gross errors.
-        let noise = match declared {
-            true => network.noise,
-            false => level(network.noise),
-        };
         for &(reading, _) in &far {
             variance_factors[reading] = REMOVED;
         }

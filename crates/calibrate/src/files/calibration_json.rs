@@ -296,16 +296,16 @@ fn misfit_of_runs(axis: &AxisResult) -> Option<Value> {
     }))
 }
 
-/// The same of runs that are turned; no displacement is asked.
+/// The same of runs that are turned.
 fn misfit_of_turned(turned: &TurnedRuns) -> Value {
     misfit(&StepMisfit {
         step: format!(
             "runs {} against each other, turned",
             turned.runs.join(" and ")
         ),
-        rms_um: f64::NAN,
+        rms_um: turned.moved_mm / MICROMETRE,
         chi_squared: turned.chi_squared,
-        degrees_of_freedom: 3,
+        degrees_of_freedom: turned.degrees_of_freedom,
         p_value: turned.p_value,
     })
 }

@@ -11,7 +11,7 @@ use crate::export::line::{interpolate, positions};
 use crate::{Error, Moved, correct};
 
 /// What rounding leaves of a location error that is none, mm or rad.
-const ROUNDING: f64 = 1e-15;
+const ROUNDING: f64 = 1e-12;
 
 /// Names of axes in the standard.
 const NAMES: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];

@@ -19,9 +19,9 @@ pub(crate) struct Candidate<'a> {
     pub(crate) is_free: bool,
     /// Shapes between those of the list, where there are any.
     pub(crate) finer: Option<Finer<'a>>,
-    /// Rows over which a size that changes from row to row has a mean square, to which the range of its first parameter applies, too:
-    /// the parameters are its value and slope where nobody may have measured. Empty of any other.
-    pub(crate) rows_of_size: Vec<usize>,
+    /// Of a size that changes from row to row what a unit of each parameter is of it there, over which it has a mean square. The range of
+    /// the first parameter applies to that, too: the parameters are its value and slope where nobody may have measured. Empty of any other.
+    pub(crate) sizes: Vec<Vec<f64>>,
 }
 
 /// Shapes between those of a list.
@@ -144,40 +144,30 @@ impl Candidate<'_> {
             let fit = Fit::new(model, columns);
             let freedom = model.degrees_of_freedom - columns.len() as f64;
             let variance = (model.squares() - fit.gained()).max(0.0) / freedom.max(1.0);
-            fit.is_possible(&self.plausible, variance)
-                && self.has_possible_size(columns, &fit, variance)
+            fit.is_possible(&self.plausible, variance) && self.has_possible_size(&fit, variance)
         };
         is_any || is_possible(&self.columns(shape))
     }
 
     /// Whether a size that changes from row to row may have a root mean square in the plausible range.
-    fn has_possible_size(&self, columns: &[Vec<f64>], fit: &Fit, variance: f64) -> bool {
+    fn has_possible_size(&self, fit: &Fit, variance: f64) -> bool {
         let Some([_, most]) = self.plausible.first().copied().flatten() else {
             return true;
         };
-        let [size, u] = self.root_mean_square(columns, fit, variance);
+        let [size, u] = self.root_mean_square(fit, variance);
         size - 3.0 * u <= most
     }
 
     /// Root mean square of such a size, and of its standard uncertainties; zeros of any other.
-    pub(crate) fn root_mean_square(
-        &self,
-        columns: &[Vec<f64>],
-        fit: &Fit,
-        variance: f64,
-    ) -> [f64; 2] {
-        let n = columns.len();
+    pub(crate) fn root_mean_square(&self, fit: &Fit, variance: f64) -> [f64; 2] {
+        let n = fit.estimates.len();
         let mut squares = [0.0; 2];
-        for &row in &self.rows_of_size {
-            let there: Vec<f64> = columns.iter().map(|c| c[row] / columns[0][row]).collect();
-            let of_covariance = |k: usize| dot(&fit.covariance[k * n..(k + 1) * n], &there);
-            squares[0] += dot(&there, &fit.estimates).powi(2);
+        for there in &self.sizes {
+            let there = &there[..n];
+            let of_covariance = |k: usize| dot(&fit.covariance[k * n..(k + 1) * n], there);
+            squares[0] += dot(there, &fit.estimates).powi(2);
             squares[1] += (0..n).map(|k| there[k] * of_covariance(k)).sum::<f64>() * variance;
         }
-        squares.map(|sum| {
-            (sum / self.rows_of_size.len().max(1) as f64)
-                .max(0.0)
-                .sqrt()
-        })
+        squares.map(|sum| (sum / self.sizes.len().max(1) as f64).max(0.0).sqrt())
     }
 }

@@ -41,7 +41,7 @@ const IN_A_ROW: usize = 3;
 pub(crate) struct Gross {
     pub(crate) points: Vec<Wrong>,
     stop: usize,
-    step: usize,
+    pub(crate) step: usize,
     statistic: f64,
     error_um: f64,
     u_um: f64,
@@ -96,7 +96,8 @@ impl Wrong {
 pub(crate) fn stand_out(base: &Base<'_>, model: &Model) -> Vec<Gross> {
     let projection = &model.projection;
     let (squares, freedom) = (projection.squares(), projection.degrees_of_freedom);
-    let limit = (LEVEL / base.readings.all.len() as f64).ln();
+    let tests = base.readings.all.len() + base.readings.stops.len();
+    let limit = (LEVEL / tests as f64).ln();
     let mut found: Vec<Gross> = Vec::new();
     for (stop_number, stop) in base.readings.stops.iter().enumerate() {
         let points = &base.readings.all[stop.clone()];
@@ -160,10 +161,13 @@ fn first_of_steps(mut found: Vec<Gross>) -> Vec<Gross> {
         if gross.statistic < AT_ONCE * largest {
             break;
         }
+        // A stop as a whole and a point of it leave no more together.
+        if out.iter().any(|other| other.holds(&gross)) {
+            continue;
+        }
         let first = out.iter_mut().find(|other| other.step == gross.step);
         match first {
-            // A stop as a whole and a point of it leave no more together.
-            Some(first) if gross.statistic < ALIKE * first.statistic || first.holds(&gross) => {}
+            Some(first) if gross.statistic < ALIKE * first.statistic => {}
             Some(first) => {
                 first.is_alone = false;
                 let is_alone = false;

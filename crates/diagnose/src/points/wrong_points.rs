@@ -1,6 +1,6 @@
 //! Points that a calibration is better without: it does not look at one point against the others itself.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
 use trueaxis_campaign::{Campaign, Points};
 use trueaxis_poses::{at_one_temperature, scene_of};
@@ -14,39 +14,44 @@ const LEAST_TARGETS: usize = 3;
 
 /// A campaign without the points that contradict all others, and what these are; `None` if there are none, or more than accidents.
 ///
-/// They are those that [`crate::diagnose`] leaves out where it finds no cause. A point without which its step, approached from that side,
-/// has fewer than three targets stays.
+/// They are those that [`crate::diagnose`] leaves out where it finds no cause. Of points or stops that contradict each other, and nothing
+/// tells which is wrong, all leave. What leaves of a step stays where its run would have fewer than three targets at all of its steps
+/// without it.
 pub fn without_wrong_points(campaign: &Campaign) -> Option<(Campaign, Vec<Rejected>)> {
     let points = campaign.points.as_ref()?;
     let at_one = at_one_temperature(campaign);
     let scene = scene_of(&at_one);
     let mut gross = Screened::beside(&at_one, at_one.points.as_ref()?, &scene, &[]).gross;
+    gross.sort_by_key(|own| own.step);
     let mut removed: Vec<usize> = Vec::new();
-    gross.retain(|own| {
-        let with_own: Vec<usize> = removed.iter().copied().chain(numbers(own)).collect();
-        let is_possible = has_poses(points, &with_own);
-        if is_possible {
+    let mut rejected: Vec<Rejected> = Vec::new();
+    for of_step in gross.chunk_by(|a, b| a.step == b.step) {
+        let own = of_step.iter().flat_map(|own| &own.points);
+        let with_own: Vec<usize> = removed
+            .iter()
+            .copied()
+            .chain(own.map(|p| p.number))
+            .collect();
+        if has_poses(campaign, points, &with_own) {
             removed = with_own;
+            rejected.extend(of_step.iter().flat_map(Gross::rejected));
         }
-        is_possible
-    });
+    }
+    rejected.sort_by_key(|own| own.row);
     let kept = Campaign {
         points: Some(without(points, &removed)),
         ..campaign.clone()
     };
-    let rejected: Vec<Rejected> = gross.iter().flat_map(Gross::rejected).collect();
     (!rejected.is_empty()).then_some((kept, rejected))
 }
 
-fn numbers(gross: &Gross) -> impl Iterator<Item = usize> {
-    gross.points.iter().map(|point| point.number)
-}
-
-/// Whether every step and side that had three targets has them still.
-fn has_poses(points: &Points, removed: &[usize]) -> bool {
-    let mut targets: HashMap<_, [BTreeSet<usize>; 2]> = HashMap::new();
+/// Whether every run keeps the targets that it has at all of its steps, from each side, or three of them.
+fn has_poses(campaign: &Campaign, points: &Points, removed: &[usize]) -> bool {
+    let mut seen: BTreeMap<Place, [BTreeSet<usize>; 2]> = BTreeMap::new();
     for stop in &points.stops {
-        let own = targets.entry((stop.step, stop.direction)).or_default();
+        let run = campaign.steps[stop.step].run;
+        let place = (run, stop.step, stop.direction.sign() > 0);
+        let own = seen.entry(place).or_default();
         for number in stop.readings.clone() {
             let target = points.readings[number].target;
             own[0].insert(target);
@@ -55,6 +60,16 @@ fn has_poses(points: &Points, removed: &[usize]) -> bool {
             }
         }
     }
-    let mut all = targets.values();
-    all.all(|[before, after]| after.len() >= LEAST_TARGETS.min(before.len()))
+    let all: Vec<_> = seen.into_iter().collect();
+    let mut runs = all.chunk_by(|(a, _), (b, _)| a.0 == b.0);
+    runs.all(|of_run| {
+        let [before, after] = [0, 1].map(|k| {
+            let sets = of_run.iter().map(|(_, sets)| sets[k].clone());
+            sets.reduce(|a, b| &a & &b).map_or(0, |common| common.len())
+        });
+        after >= LEAST_TARGETS.min(before)
+    })
 }
+
+/// Run, step and whether it was approached from below.
+type Place = (Option<usize>, usize, bool);

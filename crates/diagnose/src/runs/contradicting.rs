@@ -20,8 +20,8 @@ pub(crate) fn contradicting_runs(calibration: &Calibration) -> Option<Entry> {
             "runs {} are turned against each other",
             own.runs.join(" and ")
         );
-        let moved_mm = own.turned_rad.norm() * arm_mm(calibration);
-        (said, own.p_value, (own.chi_squared, 3), moved_mm)
+        let squares = (own.chi_squared, own.degrees_of_freedom);
+        (said, own.p_value, squares, own.moved_mm)
     });
     let all: Vec<_> = of_axes.chain(turned).collect();
     let largest_mm = all.iter().map(|(.., mm)| *mm).reduce(f64::max)?;
@@ -78,20 +78,4 @@ pub(crate) fn contradicting_runs(calibration: &Calibration) -> Option<Entry> {
             places: Vec::new(),
         },
     })
-}
-
-/// Rms distance of the targets from their middle, mm.
-fn arm_mm(calibration: &Calibration) -> f64 {
-    let targets = || {
-        calibration
-            .targets
-            .iter()
-            .map(|target| target.position_mm.coords)
-    };
-    let count = calibration.targets.len().max(1) as f64;
-    let middle = targets().sum::<nalgebra::Vector3<f64>>() / count;
-    let squares: f64 = targets()
-        .map(|target| (target - middle).norm_squared())
-        .sum();
-    (squares / count).sqrt()
 }

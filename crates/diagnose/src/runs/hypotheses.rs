@@ -64,7 +64,7 @@ pub(super) fn candidates(
             all.push(Candidate {
                 is_free: false,
                 finer: None,
-                rows_of_size: Vec::new(),
+                sizes: Vec::new(),
                 columns: vec![columns],
                 shapes: vec![0.0],
                 plausible: plausible(&hypothesis, scene),

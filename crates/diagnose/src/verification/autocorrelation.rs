@@ -9,14 +9,14 @@
 //! ```
 //!
 //! asks for it ([`Whitening`]). What is alike over three stops or more is a course that wanders, so ρ ends at `e^-⅓`. A series is
-//! taken to have such noise if ρ is significant there, and if with it the causes and what wanders have together more evidence than
+//! taken to have such noise if ρ is significant there, or possible where something was found, and if with it the causes and what wanders have together more evidence than
 //! without: what really wanders, or repeats, is explained better as such.
 
 use crate::engine::golden_section;
 use crate::selection::{Projection, lengths_beside_earlier};
 use crate::verification::base::{cells, indicators};
 use crate::verification::comparison::Comparison;
-use crate::verification::model::evidence;
+use crate::verification::model::{evidence, is_left};
 use crate::verification::noise_floor::pass_columns;
 use crate::verification::series::Series;
 use crate::verification::whitening::Whitening;
@@ -26,6 +26,10 @@ const MOST: f64 = 0.716_531_310_573_789_3;
 
 /// Drop of the deviance for one parameter on the edge of its range, at a level of 5 %.
 const SIGNIFICANT: f64 = 2.706;
+
+/// The same at a level of 24 %, where a series is not clean: correlated noise is then one of its explanations, and which is the best
+/// their evidence says.
+const POSSIBLE: f64 = 0.5;
 
 /// Degrees of freedom below which ρ is too uncertain (`1/√n`).
 const LEAST_DEGREES_OF_FREEDOM: f64 = 20.0;
@@ -50,10 +54,12 @@ pub(crate) fn alike_neighbours<'a>(
     found: &Series<'a>,
     with: impl Fn(Noise) -> Series<'a>,
 ) -> Option<Series<'a>> {
-    let first = with(noise(found)?);
+    let is_clean =
+        found.model.causes.is_empty() && found.model.wandering.is_empty() && !is_left(&found.model);
+    let least = if is_clean { SIGNIFICANT } else { POSSIBLE };
+    let first = with(noise(found, least)?);
     // Beside the causes that are left.
-    let noise = noise(&first)?;
-    let last = with(noise);
+    let last = with(noise(&first, least)?);
     // Twice the logarithm of the likelihood of the readings with a noise, but for what is the same with any.
     let total = |series: &Series<'a>| {
         let correlation = series.plain.whitening.correlation;
@@ -67,8 +73,8 @@ pub(crate) fn alike_neighbours<'a>(
     (total(&last) > total(found)).then_some(last)
 }
 
-/// The noise of a series beside its causes, if neighbours are significantly alike.
-fn noise(series: &Series<'_>) -> Option<Noise> {
+/// The noise of a series beside its causes, if neighbours are alike by a drop of the deviance.
+fn noise(series: &Series<'_>, least: f64) -> Option<Noise> {
     let comparison = series.plain.comparison;
     let rows = looked_at(comparison);
     let causes = series.model.problem.listed.columns(&series.model.causes);
@@ -96,7 +102,7 @@ fn noise(series: &Series<'_>) -> Option<Noise> {
     let is_close = |low: f64, high: f64| high - low < TOLERANCE;
     let correlation = golden_section([0.0, MOST], is_close, |rho| -at(rho).deviance);
     let best = at(correlation);
-    (at(0.0).deviance - best.deviance > SIGNIFICANT).then(|| Noise {
+    (at(0.0).deviance - best.deviance > least).then(|| Noise {
         sigma_um: (best.squares / beside.degrees_of_freedom).sqrt(),
         correlation,
     })

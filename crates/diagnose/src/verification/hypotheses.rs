@@ -104,8 +104,9 @@ pub(crate) fn candidates<'a>(
             };
             let gaps_s = (effect.shape == Shape::Instant).then(|| gaps_s(comparison));
             let is_along = effect.id == lost_motion::EFFECT && subject.axis == comparison.line();
-            let rows_of_size = match is_along {
-                true => lost_motion::reached_from_both_sides(comparison),
+            let straight = || (0..count).map(|k| column(k, 0.0)).collect::<Vec<_>>();
+            let sizes = match is_along {
+                true => lost_motion::sizes(comparison, &straight()),
                 false => Vec::new(),
             };
             let has_more = gaps_s.is_some() || is_continuous(effect.shape);
@@ -115,7 +116,7 @@ pub(crate) fn candidates<'a>(
                 shapes,
                 plausible: plausible.clone(),
                 is_free: false,
-                rows_of_size: rows_of_size.clone(),
+                sizes,
                 finer: has_more.then(|| Finer {
                     columns: Box::new(columns),
                     gaps_s,
@@ -133,7 +134,9 @@ pub(crate) fn candidates<'a>(
             let numbers = lost_motion::numbers_of_waves(comparison);
             let most = numbers.last().copied().unwrap_or(0);
             let more = lost_motion::waves(comparison, &straight, most);
-            let columns: Vec<Vec<f64>> = straight.into_iter().chain(more).map(whiten).collect();
+            let columns: Vec<Vec<f64>> = straight.into_iter().chain(more).collect();
+            let sizes = lost_motion::sizes(comparison, &columns);
+            let columns: Vec<Vec<f64>> = columns.into_iter().map(whiten).collect();
             if most > 0 {
                 let first = |k: &usize| columns[..count + k].to_vec();
                 all.push(Candidate {
@@ -142,7 +145,7 @@ pub(crate) fn candidates<'a>(
                     shapes: numbers.iter().map(|k| *k as f64).collect(),
                     plausible,
                     is_free: true,
-                    rows_of_size,
+                    sizes,
                     finer: None,
                 });
             }

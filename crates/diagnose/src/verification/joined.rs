@@ -29,15 +29,16 @@ pub(crate) fn joint_cause(
     let level = (scene, Level::Verification);
     let hypothesis = listed.hypothesis(&causes[k]);
     let along_it = members.flat_map(|number| {
-        let first = stack.rows(number).start;
-        let own = shown_along(stack.all[number].plain.comparison, hypothesis);
-        own.map(move |(row, at)| (first + row, at))
+        let plain = &stack.all[number].plain;
+        let own = stack.members[causes[k].candidate][number];
+        let sizes = own.map_or(&[][..], |own| &plain.listed.candidates[own].sizes);
+        let positions = shown_along(plain.comparison, hypothesis);
+        positions.zip(sizes.iter().map(Vec::as_slice))
     });
-    let mut along_it: Vec<(usize, f64)> = along_it.collect();
-    along_it.sort_by(|a, b| a.1.total_cmp(&b.1));
-    along_it.dedup_by(|a, b| a.1.total_cmp(&b.1).is_eq());
-    let columns = listed.columns(&causes[k..=k]);
-    let (curve, mean_lost_motion) = curve(&along_it, &columns, &sized.fit, variance).unzip();
+    let mut along_it: Vec<(f64, &[f64])> = along_it.collect();
+    along_it.sort_by(|a, b| a.0.total_cmp(&b.0));
+    along_it.dedup_by(|a, b| a.0.total_cmp(&b.0).is_eq());
+    let (curve, mean_lost_motion) = curve(&along_it, &sized.fit, variance).unzip();
     Some(Cause {
         curve: curve.unwrap_or_default(),
         mean_lost_motion,

@@ -86,7 +86,7 @@ pub(crate) fn beyond_drives(problem: &Problem<'_>, causes: &[Chosen]) -> Option<
             rank,
             model.degrees_of_freedom,
         );
-        let [along, _] = own.root_mean_square(&columns, &fit, variance);
+        let [along, _] = own.root_mean_square(&fit, variance);
         let size = match rank {
             1 => fit.estimates[0].abs(),
             _ => along,
@@ -125,11 +125,19 @@ pub(crate) fn waves(
         .collect()
 }
 
-/// The rows and positions at which readings show how lost motion changes along their linear axis: those reached from both sides.
+/// At the positions that are reached from both sides what a unit of each parameter is of the lost motion there; `columns` are what it
+/// does to the readings, the first that of a unit everywhere.
+pub(crate) fn sizes(comparison: &Comparison<'_>, columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let rows = reached_from_both_sides(comparison).into_iter();
+    let size = |row: usize| columns.iter().map(|c| c[row] / columns[0][row]).collect();
+    rows.map(size).collect()
+}
+
+/// The positions at which readings show how lost motion changes along their linear axis: those reached from both sides.
 pub(crate) fn shown_along(
     comparison: &Comparison<'_>,
     cause: &Hypothesis,
-) -> impl Iterator<Item = (usize, f64)> {
+) -> impl Iterator<Item = f64> {
     let axis = comparison.line().filter(|&axis| {
         cause.effect.id == EFFECT
             && cause.subject.axis == Some(axis)
@@ -137,19 +145,18 @@ pub(crate) fn shown_along(
     });
     axis.into_iter().flat_map(move |axis| {
         let arrivals = reached_from_both_sides(comparison).into_iter();
-        arrivals.map(move |row| (row, comparison.arrivals[row].positions[axis]))
+        arrivals.map(move |row| comparison.arrivals[row].positions[axis])
     })
 }
 
-/// The function at some rows and positions, and its mean over these, the opposite of the mean reversal value of ISO 230-2: `columns`
-/// are those of the cause, `fit` is theirs, for observations of this variance. None without positions.
+/// The function at some positions ([`sizes`]), and its mean over these, the opposite of the mean reversal value of ISO 230-2: `fit` is
+/// that of the cause, for observations of this variance. None without positions.
 pub(crate) fn curve(
-    shown: &[(usize, f64)],
-    columns: &[Vec<f64>],
+    shown: &[(f64, &[f64])],
     fit: &Fit,
     variance: f64,
 ) -> Option<(Vec<CurvePoint>, EstimatedParameter)> {
-    let n = columns.len();
+    let n = fit.estimates.len();
     if shown.is_empty() {
         return None;
     }
@@ -160,8 +167,8 @@ pub(crate) fn curve(
         (there.dot(&estimates), variance.max(0.0).sqrt())
     };
     let mut sum = DVector::zeros(n);
-    let point = |&(row, at): &(usize, f64)| {
-        let there = DVector::from_fn(n, |k, _| columns[k][row] / columns[0][row]);
+    let point = |&(at, there): &(f64, &[f64])| {
+        let there = DVector::from_column_slice(&there[..n]);
         sum += &there;
         let (value, u) = told(&there);
         CurvePoint {

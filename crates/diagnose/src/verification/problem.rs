@@ -164,6 +164,13 @@ impl<'a> Problem<'a> {
         self.whitening.um(whitened)
     }
 
+    /// Rms of what is slow against the correlation of the noise, of these whitened squares, µm.
+    pub(crate) fn slow_rms_um(&self, squares: f64) -> f64 {
+        let rho = self.whitening.correlation;
+        let variance = squares.max(0.0) / self.readings() as f64 * (1.0 + rho) / (1.0 - rho);
+        self.sigma_um * variance.sqrt()
+    }
+
     /// Rms for one degree of freedom of what a model leaves and the last digit hides, µm.
     pub(crate) fn rms_um(&self, model: &Projection) -> f64 {
         self.sigma_um * (model.squares() / model.degrees_of_freedom.max(1.0)).sqrt()

@@ -71,8 +71,10 @@ pub(crate) fn causes(
         predicted.project(&mut fitted);
         let misfit: Vec<f64> = rest.iter().zip(&fitted).map(|(a, b)| a + b).collect();
         let gain = gain_of(problem, chosen, k);
-        let along_it: Vec<_> = shown_along(problem.comparison, &candidate.hypothesis).collect();
-        let (curve, mean_lost_motion) = curve(&along_it, &columns, &sized.fit, variance).unzip();
+        let along_it = shown_along(problem.comparison, &candidate.hypothesis);
+        let along_it = along_it.zip(candidate.sizes.iter().map(Vec::as_slice));
+        let along_it: Vec<(f64, &[f64])> = along_it.collect();
+        let (curve, mean_lost_motion) = curve(&along_it, &sized.fit, variance).unzip();
         causes.push(Cause {
             explained_rms_um: rms_of_readings_um(problem, &fitted),
             heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),

@@ -166,7 +166,7 @@ fn impossible(problem: &Problem<'_>) -> Option<Unexplained> {
     is_clear.then(|| Unexplained {
         level: Level::Verification,
         data: String::new(),
-        rms_um: problem.sigma_um * (best.statistic / problem.readings() as f64).sqrt(),
+        rms_um: problem.slow_rms_um(best.statistic),
         share: 0.0,
         is_of_tests: false,
         note: format!(
@@ -248,7 +248,7 @@ fn unexplained(
     Some(Unexplained {
         level: Level::Verification,
         data: String::new(),
-        rms_um: problem.sigma_um * (excess.max(0.0) / problem.readings() as f64).sqrt(),
+        rms_um: problem.slow_rms_um(excess),
         share: 0.0,
         is_of_tests: true,
         note,

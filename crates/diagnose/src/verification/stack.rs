@@ -120,16 +120,11 @@ impl<'s> Stack<'s> {
             })
             .collect();
         let own = members.iter().enumerate().filter_map(|(series, number)| {
-            let candidate = &self.all[series].plain.listed.candidates[(*number)?];
-            Some((self.rows(series).start, candidate))
+            Some(&self.all[series].plain.listed.candidates[(*number)?])
         });
-        let rows_of_size = own.clone().flat_map(|(first, candidate)| {
-            let rows = candidate.rows_of_size.iter();
-            rows.map(move |row| first + row)
-        });
-        let rows_of_size: Vec<usize> = rows_of_size.collect();
-        let largest = own.map(|(_, candidate)| candidate);
-        let largest = largest.max_by_key(|candidate| candidate.shapes.len());
+        let sizes = own.clone().flat_map(|candidate| candidate.sizes.clone());
+        let sizes: Vec<Vec<f64>> = sizes.collect();
+        let largest = own.max_by_key(|candidate| candidate.shapes.len());
         let shortest = largest.and_then(|candidate| candidate.finer.as_ref());
         let shortest = shortest.map_or(f64::NEG_INFINITY, |finer| finer.shortest);
         let (shapes, plausible) = largest.map_or_else(Default::default, |candidate| {
@@ -148,7 +143,7 @@ impl<'s> Stack<'s> {
             shapes,
             plausible,
             is_free: false,
-            rows_of_size,
+            sizes,
             finer: is_continuous(hypothesis.effect.shape).then(|| Finer {
                 columns: Box::new(columns),
                 gaps_s: None,

@@ -64,7 +64,10 @@ pub(crate) fn points_from_coordinates(
     let mut instrument = PointNoise::default();
     let mut groups: Vec<PointGroup> = Vec::new();
     let mut readings: Vec<Vec<GroupReading>> = Vec::new();
-    for (step, direction, samples) in samples_of_steps(points, by_direction) {
+    let all = samples_of_steps(points, by_direction).into_iter();
+    // What stands on the bed is in no pose, has no repeatability, and is not where the campaign says.
+    let in_runs = all.filter(|(step, ..)| campaign.steps[*step].run.is_some());
+    for (step, direction, samples) in in_runs {
         let positions = &campaign.steps[step].positions;
         let mut of_group = Vec::new();
         for (place, (&target, sample)) in samples.iter().enumerate() {

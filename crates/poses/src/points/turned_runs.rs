@@ -4,15 +4,17 @@
 //! that shifted, makes it wrong by as much. The same targets at the same positions of all axes have one orientation:
 //!
 //! ```text
-//! θ = log(R_a R_bᵀ)     χ² = θᵀ (C_a + C_b)⁻¹ θ, of all positions that two runs share
+//! θ = log(R_b R_aᵀ)     χ² = θᵀ (C_a + C_b)⁻¹ θ, of all positions that two runs share
 //! ```
 //!
-//! Displacements are not asked: the side from which the other axes came to stand there may move the stage by their lost motion. What two
-//! runs have in common, the shape of their targets, turns both alike.
+//! Displacements, and angles about rotary axes that carry the targets, are not asked: the side from which the other axes came to stand
+//! there may move the stage by their lost motion. What two runs have in common, the shape of their targets, turns both alike.
 
-use nalgebra::{Matrix3, Vector3};
+use std::collections::BTreeMap;
+
+use nalgebra::{Matrix3, SymmetricEigen, UnitQuaternion, Vector3};
 use trueaxis_campaign::Campaign;
-use trueaxis_kinematics::ARCSEC;
+use trueaxis_kinematics::{ARCSEC, AxisKind, Ideal};
 use trueaxis_leastsquares::f_upper_tail;
 
 use crate::poses::Poses;
@@ -25,78 +27,165 @@ const LEVEL: f64 = 1e-3;
 /// Smaller ones are nothing that an instrument does, rad: what positions are rounded to, and angular lost motion of a good machine.
 const LEAST_RAD: f64 = 0.5 * ARCSEC;
 
+/// Degrees of freedom that are as good as infinite.
+const MANY: f64 = 1e6;
+
+/// What rounding leaves of a weight, relative to the largest.
+const ROUNDING: f64 = 1e-9;
+
 /// Pairs of runs that are turned. The noise of the poses is known with these degrees of freedom.
-pub(crate) fn turned_runs(campaign: &Campaign, poses: &Poses, noise_dof: usize) -> Vec<TurnedRuns> {
-    let runs = campaign.runs.len();
-    let pairs: Vec<[usize; 2]> = (0..runs)
-        .flat_map(|b| (0..b).map(move |a| [a, b]))
-        .collect();
-    let compared = pairs
-        .iter()
-        .filter_map(|&pair| compared(campaign, poses, pair));
+pub(crate) fn turned_runs(campaign: &Campaign, poses: &Poses, noise_dof: f64) -> Vec<TurnedRuns> {
+    let stands = stands(campaign, poses);
+    let pairs = (0..stands.len()).flat_map(|b| (0..b).map(move |a| [a, b]));
+    let compared = pairs.filter_map(|pair| compared(campaign, pair, &stands));
     let compared: Vec<Compared> = compared.collect();
     let level = LEVEL / compared.len().max(1) as f64;
     let judged = compared.into_iter().map(|own| {
-        let p_value = f_upper_tail(own.chi_squared / 3.0, 3.0, noise_dof.max(1) as f64);
+        let freedom = own.degrees_of_freedom as f64;
+        let p_value = f_upper_tail(own.chi_squared / freedom, freedom, noise_dof.min(MANY));
         (own, p_value)
     });
-    let turned =
-        judged.filter(|(own, p_value)| *p_value < level && own.turned_rad.norm() > LEAST_RAD);
+    let turned = judged.filter(|(own, p)| *p < level && own.turned_rad.norm() > LEAST_RAD);
     turned
         .map(|(own, p_value)| TurnedRuns {
             runs: own.pair.map(|run| campaign.runs[run].name.clone()),
             at: step_in_words(campaign, own.step),
             turned_rad: own.turned_rad,
-            u_rad: own.covariance.diagonal().map(f64::sqrt),
+            u_rad: own
+                .covariance
+                .diagonal()
+                .map(|variance| variance.max(0.0).sqrt()),
+            moved_mm: own.turned_rad.norm() * arm_mm(poses, own.body),
             chi_squared: own.chi_squared,
+            degrees_of_freedom: own.degrees_of_freedom,
             p_value,
         })
         .collect()
 }
 
+/// The orientation of a body at a position of all axes in a run, the mean of both sides of approach.
+struct Stand {
+    step: usize,
+    body: usize,
+    /// Of the first of them, and how far the mean is turned against that.
+    first: UnitQuaternion<f64>,
+    turned_rad: Vector3<f64>,
+    covariance: Matrix3<f64>,
+    count: f64,
+}
+
+/// The orientations of a run by positions of all axes and body.
+type Stands = BTreeMap<(Vec<u64>, usize), Stand>;
+
+/// Of each run; nothing if the noise is not known.
+fn stands(campaign: &Campaign, poses: &Poses) -> Vec<Stands> {
+    let mut all: Vec<Stands> = campaign.runs.iter().map(|_| Stands::new()).collect();
+    for (own, noise) in poses.observations.iter().zip(&poses.noise.own) {
+        let step = &campaign.steps[own.step];
+        let Some(run) = step.run else { continue };
+        let rotation = own.datum_from_home.rotation;
+        let positions = step.positions.iter().map(|q| q.to_bits()).collect();
+        let stand = all[run].entry((positions, own.body)).or_insert(Stand {
+            step: own.step,
+            body: own.body,
+            first: rotation,
+            turned_rad: Vector3::zeros(),
+            covariance: Matrix3::zeros(),
+            count: 0.0,
+        });
+        stand.turned_rad += (rotation * stand.first.inverse()).scaled_axis();
+        stand.covariance += noise.fixed_view::<3, 3>(3, 3);
+        stand.count += 1.0;
+    }
+    for stand in all.iter_mut().flat_map(BTreeMap::values_mut) {
+        stand.turned_rad /= stand.count;
+        stand.covariance /= stand.count * stand.count;
+    }
+    all
+}
+
 /// Two runs at the positions that they share.
 struct Compared {
     pair: [usize; 2],
-    /// The first of these.
+    /// The first of these, and the body there.
     step: usize,
-    /// How far the second is turned against the first about the reference axes, rad.
+    body: usize,
+    /// How far the second is turned against the first about the reference axes, as far as it is asked, rad.
     turned_rad: Vector3<f64>,
     covariance: Matrix3<f64>,
     chi_squared: f64,
+    degrees_of_freedom: usize,
 }
 
-/// None if they share no position, or their noise is not known.
-fn compared(campaign: &Campaign, poses: &Poses, pair: [usize; 2]) -> Option<Compared> {
-    let of_run = |run: usize| {
-        let all = poses.observations.iter().enumerate();
-        all.filter(move |(_, own)| campaign.steps[own.step].run == Some(run))
-    };
+/// None if they share no position.
+fn compared(campaign: &Campaign, pair: [usize; 2], stands: &[Stands]) -> Option<Compared> {
     let (mut weights, mut sum, mut first) = (Matrix3::zeros(), Vector3::zeros(), None);
-    for (i, a) in of_run(pair[0]) {
-        for (k, b) in of_run(pair[1]) {
-            let stand_alike = campaign.steps[a.step].positions == campaign.steps[b.step].positions;
-            if !stand_alike || a.body != b.body || a.direction != b.direction {
-                continue;
+    for (place, a) in &stands[pair[0]] {
+        let Some(b) = stands[pair[1]].get(place) else {
+            continue;
+        };
+        let between = (b.first * a.first.inverse()).scaled_axis();
+        let turned = between + b.turned_rad - a.turned_rad;
+        let mut weight = (a.covariance + b.covariance).try_inverse()?;
+        for direction in rotary_directions(campaign, a) {
+            let along = weight * direction;
+            let all = direction.dot(&along);
+            if all > 0.0 {
+                weight -= along * along.transpose() / all;
             }
-            let rotation = |own: &crate::PoseObservation| own.datum_from_home.rotation;
-            let turned = (rotation(b) * rotation(a).inverse()).scaled_axis();
-            let of_angles = |i: usize| {
-                let own = poses.noise.own.get(i)?;
-                Some(own.fixed_view::<3, 3>(3, 3).into_owned())
-            };
-            let weight = (of_angles(i)? + of_angles(k)?).try_inverse()?;
-            weights += weight;
-            sum += weight * turned;
-            first = first.or(Some(a.step));
         }
+        weights += weight;
+        sum += weight * turned;
+        first = first.or(Some((a.step, a.body)));
     }
-    let covariance = weights.try_inverse()?;
+    let (step, body) = first?;
+    let eigen = SymmetricEigen::new(weights);
+    let limit = ROUNDING * eigen.eigenvalues.amax();
+    let inverse = eigen
+        .eigenvalues
+        .map(|w| if w > limit { 1.0 / w } else { 0.0 });
+    let degrees_of_freedom = inverse.iter().filter(|w| **w > 0.0).count();
+    let axes = eigen.eigenvectors;
+    let covariance = axes * Matrix3::from_diagonal(&inverse) * axes.transpose();
     let turned_rad = covariance * sum;
-    Some(Compared {
+    (degrees_of_freedom > 0).then_some(Compared {
         pair,
-        step: first?,
+        step,
+        body,
         turned_rad,
         covariance,
-        chi_squared: turned_rad.dot(&(weights * turned_rad)),
+        chi_squared: turned_rad.dot(&sum),
+        degrees_of_freedom,
     })
+}
+
+/// Those of the rotary axes that carry what is seen, where they stand.
+fn rotary_directions(campaign: &Campaign, stand: &Stand) -> Vec<Vector3<f64>> {
+    let (machine, positions) = (&campaign.machine, &campaign.steps[stand.step].positions);
+    let run = campaign.steps[stand.step].run;
+    let targets = campaign.targets.iter().filter_map(|target| target.carrier);
+    let carried = targets.filter(|&carrier| {
+        let axis = run.map(|run| campaign.runs[run].axis);
+        axis.is_some_and(|axis| machine.chain(Some(carrier)).contains(&axis))
+    });
+    let mut axes: Vec<usize> = carried
+        .flat_map(|c| machine.chain(Some(c)).to_vec())
+        .collect();
+    axes.sort_unstable();
+    axes.dedup();
+    axes.retain(|&axis| machine.axes()[axis].kind() == AxisKind::Rotary);
+    let direction = |axis: usize| {
+        let motion = machine.chain_motion(&Ideal, machine.chain(Some(axis)), positions);
+        motion.rotation * machine.axes()[axis].direction().into_inner()
+    };
+    axes.into_iter().map(direction).collect()
+}
+
+/// Rms distance of the targets of a body from their middle, mm.
+fn arm_mm(poses: &Poses, body: usize) -> f64 {
+    let home_mm = &poses.bodies[body].home_mm;
+    let count = home_mm.len().max(1) as f64;
+    let middle = home_mm.iter().map(|p| p.coords).sum::<Vector3<f64>>() / count;
+    let squares = home_mm.iter().map(|p| (p.coords - middle).norm_squared());
+    (squares.sum::<f64>() / count).sqrt()
 }

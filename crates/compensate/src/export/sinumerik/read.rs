@@ -41,9 +41,9 @@ const MOST: f64 = 5.0;
 /// Lines around the assignments, as they begin.
 const AROUND: [&str; 5] = ["%", "CHANDATA", "M17", "M30", "M02"];
 
-/// The first line of an archive, and the last of its file.
+/// The first line of a file of an archive, and its last.
 const HEAD: &str = "%_N_";
-const END: &str = "M17";
+const ENDS: [&str; 3] = ["M17", "M30", "M02"];
 
 /// The tables of a file, for the axes of a machine.
 pub(crate) fn read(file: &ExportedFile, machine: &Machine) -> Result<Sag, Error> {
@@ -96,9 +96,10 @@ pub(crate) fn read(file: &ExportedFile, machine: &Machine) -> Result<Sag, Error>
             }
         }
     }
-    let begins = file.text.lines().any(|line| line.trim().starts_with(HEAD));
-    let ends = file.text.lines().any(|line| line.trim().starts_with(END));
-    if begins && !ends {
+    let mut lines = file.text.lines().map(|line| without_number(line.trim()));
+    let is_end = |line: &str| ENDS.iter().any(|end| line.starts_with(end));
+    let begins = lines.clone().filter(|line| line.starts_with(HEAD)).count();
+    if begins > lines.by_ref().filter(|line| is_end(line)).count() {
         let last = file.text.lines().count();
         let found = file.text.lines().last().unwrap_or_default();
         let expected = "M17 at the end, as the head of the file promises; the file may be cut off";

@@ -5,7 +5,7 @@ use trueaxis_campaign::Direction;
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
 
 /// The reversal values of ISO 230-2, forward less backward, at the reference point; nothing where the sides are together.
-pub(crate) fn reversal_values(calibration: &Calibration) -> Vec<String> {
+pub(super) fn reversal_values(calibration: &Calibration) -> Vec<String> {
     let of_axes = calibration.axes.iter();
     let of_axes: Vec<String> = of_axes
         .filter_map(|axis| of_axis(calibration, axis))

@@ -2,34 +2,35 @@
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_campaign::Campaign;
-use trueaxis_kinematics::AxisKind;
-
-use crate::result::calibration::{AxisResult, TargetResult};
+use trueaxis_kinematics::{Axis, AxisKind};
 
 /// A nominal distance between targets that is this wrong, mm, is no matter of how nests are set.
 const ELSEWHERE_MM: f64 = 10.0;
 
 /// Linear axes that never come home: what their results refer to there is out of reach.
-pub(crate) fn homes_out_of_reach(campaign: &Campaign, axes: &[AxisResult]) -> Option<String> {
-    let away = axes.iter().filter_map(|axis| {
-        let [low, high] = campaign.machine.axes()[axis.axis].travel();
-        let linear = axis.kind == AxisKind::Linear;
+pub fn homes_out_of_reach(
+    campaign: &Campaign,
+    axes: impl IntoIterator<Item = usize>,
+) -> Option<String> {
+    let axes = axes.into_iter().map(|axis| &campaign.machine.axes()[axis]);
+    let away = axes.filter_map(|axis| {
+        let [low, high] = axis.travel();
+        let linear = axis.kind() == AxisKind::Linear;
         (linear && (low > 0.0 || high < 0.0)).then_some((axis, if low > 0.0 { low } else { high }))
     });
-    let away: Vec<(&AxisResult, f64)> = away.collect();
+    let away: Vec<(&Axis, f64)> = away.collect();
     if away.is_empty() {
         return None;
     }
     let travels = away.iter().map(|(axis, _)| {
-        let [low, high] = campaign.machine.axes()[axis.axis].travel();
-        format!("{} ({low} to {high} mm)", axis.name)
+        let [low, high] = axis.travel();
+        format!("{} ({low} to {high} mm)", axis.name())
     });
     let travels: Vec<String> = travels.collect();
     // The point that is at the origin of the frame when the axes are nearest to home.
-    let point = away.iter().map(|(axis, nearest)| {
-        let direction = campaign.machine.axes()[axis.axis].direction();
-        -direction.into_inner() * *nearest
-    });
+    let point = away
+        .iter()
+        .map(|(axis, nearest)| -axis.direction().into_inner() * *nearest);
     let point: Vector3<f64> = point.sum();
     Some(format!(
         "the travel of {} does not contain 0, which is home: the errors are zero at the position nearest to it, and \
@@ -43,25 +44,29 @@ pub(crate) fn homes_out_of_reach(campaign: &Campaign, axes: &[AxisResult]) -> Op
 }
 
 /// Targets of one stage that are not where the campaign says they are, relative to the others there. Where those on
-/// the bed should be matters to nothing.
-pub(crate) fn targets_elsewhere(campaign: &Campaign, measured: &[TargetResult]) -> Vec<String> {
-    let mut places = Vec::new();
-    for result in measured {
-        let target = campaign.targets.iter().find(|t| t.name == result.name);
-        let place = target.and_then(|target| Some((target.carrier?, target.home_mm, result)));
-        places.extend(place);
-    }
+/// the bed should be matters to nothing. `measured` are names and places at home, mm.
+pub fn targets_elsewhere<'a>(
+    campaign: &Campaign,
+    measured: impl IntoIterator<Item = (&'a str, Point3<f64>)>,
+) -> Vec<String> {
+    let places = measured.into_iter().filter_map(|(name, found)| {
+        let target = campaign.targets.iter().find(|t| t.name == name)?;
+        Some((target.carrier?, target.home_mm, (name, found)))
+    });
+    let mut places: Vec<OnStage<'_>> = places.collect();
     places.sort_by_key(|(carrier, ..)| *carrier);
     let stages = places.chunk_by(|a, b| a.0 == b.0);
     stages.filter_map(elsewhere_on_stage).collect()
 }
 
-fn elsewhere_on_stage(targets: &[(usize, Point3<f64>, &TargetResult)]) -> Option<String> {
+/// The carrier of a target, where it should be, its name and where it is.
+type OnStage<'a> = (usize, Point3<f64>, (&'a str, Point3<f64>));
+
+fn elsewhere_on_stage(targets: &[OnStage<'_>]) -> Option<String> {
     let mut wrong = Vec::new();
-    for (i, (_, nominal, found)) in targets.iter().enumerate() {
-        for (j, (_, other_nominal, other)) in targets.iter().enumerate().skip(i + 1) {
-            let difference_mm =
-                (found.position_mm - other.position_mm).norm() - (nominal - other_nominal).norm();
+    for (i, (_, nominal, (_, found))) in targets.iter().enumerate() {
+        for (j, (_, other_nominal, (_, other))) in targets.iter().enumerate().skip(i + 1) {
+            let difference_mm = (found - other).norm() - (nominal - other_nominal).norm();
             if difference_mm.abs() > ELSEWHERE_MM {
                 wrong.push((i, j, difference_mm));
             }
@@ -70,7 +75,7 @@ fn elsewhere_on_stage(targets: &[(usize, Point3<f64>, &TargetResult)]) -> Option
     let largest = wrong.iter().map(|(.., mm)| mm.abs()).fold(0.0, f64::max);
     let in_all = |k: &usize| wrong.iter().all(|(i, j, _)| i == k || j == k);
     let mut suspects = (0..targets.len()).filter(in_all);
-    let name = |k: usize| &targets[k].2.name;
+    let name = |k: usize| targets[k].2.0;
     let who = match (suspects.next(), suspects.next()) {
         _ if wrong.is_empty() => return None,
         (Some(one), None) => format!("target {}", name(one)),
@@ -95,20 +100,17 @@ mod tests {
             [0.0, 250.0, 0.0],
             [90.0, 80.0, 200.0],
         ];
-        let results: Vec<TargetResult> = (0..4)
-            .map(|k| {
-                let mut position_mm = Point3::from(nominal[k]);
-                let moved = moved.iter().filter(|(target, _)| *target == k);
-                position_mm.x += moved.map(|(_, by)| by).sum::<f64>();
-                let name = format!("T{k}");
-                TargetResult { name, position_mm }
-            })
-            .collect();
-        let targets: Vec<_> = results
-            .iter()
-            .zip(nominal)
-            .map(|(result, nominal)| (0, Point3::from(nominal), result))
-            .collect();
+        let targets = (0..4).map(|k| {
+            let mut found = Point3::from(nominal[k]);
+            let moved = moved.iter().filter(|(target, _)| *target == k);
+            found.x += moved.map(|(_, by)| by).sum::<f64>();
+            (
+                0,
+                Point3::from(nominal[k]),
+                (["T0", "T1", "T2", "T3"][k], found),
+            )
+        });
+        let targets: Vec<OnStage<'_>> = targets.collect();
         elsewhere_on_stage(&targets)
     }
 
