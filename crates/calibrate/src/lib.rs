@@ -33,8 +33,7 @@
 //! their nominal positions. With one linear axis the rotation about it, with none the whole frame
 //! follows from the best fit of the targets' home positions to the nominal ones.
 //!
-//! An axis measured while others stand away from home is freed of their errors as far as they are
-//! known.
+//! An axis measured while others stand away from home is corrected for their known errors.
 //!
 //! # Uncertainties
 //!
@@ -46,7 +45,7 @@
 //!
 //! # The same campaign again
 //!
-//! [`calibrate_for_replay`] keeps what other errors of the same measurement need: Monte Carlo and
+//! [`calibrate_for_replay`] keeps what is needed to repeat the calibration with other errors: Monte Carlo and
 //! reliability ([`Replay`]). [`calibrate_with_effects`] takes what effects beyond the rigid machine do (drift,
 //! jumps, lost motion) out of the lengths, and lets the uncertainty of their values into that of the results.
 //!

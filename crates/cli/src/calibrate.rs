@@ -23,20 +23,13 @@ const COVARIANCE_INDEX: &str = "covariance.json";
 const RELIABILITY_INDEX: &str = "reliability.json";
 
 pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
-    let mut campaign = read(&args.campaign)?;
+    let campaign = read(&args.campaign)?;
     let settings = Settings {
         covariance: args.covariance,
         ..args.model.settings()
     };
-    let mut left_out = Vec::new();
-    if let Some((kept, wrong)) = settings
-        .robust
-        .then(|| without_wrong_points(&campaign))
-        .flatten()
-    {
-        campaign = kept;
-        left_out.extend(wrong.iter().map(point_left_out));
-    }
+    let kept = without_wrong_points(&campaign).filter(|_| settings.robust);
+    let (campaign, left_out) = kept.unwrap_or((campaign, Vec::new()));
     let in_file = || args.campaign.display().to_string();
     let mut extra = Vec::new();
     let mut checked = Vec::new();
@@ -70,6 +63,7 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     let mut results = args.result.folder(&campaign.name)?;
     let lines = summary::lines(&campaign, &calibration, args.paper_signs);
     let is_rejected = rejects_the_model(&calibration);
+    let left_out = left_out.iter().map(Rejected::in_words);
     calibration.notices.splice(0..0, left_out);
     let notices = [&campaign.notices, &calibration.notices, &of_effects].map(Vec::as_slice);
     let mut notices = notices.concat();
@@ -111,13 +105,6 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     notice_all(&notices);
     results.end(args.result.json.then_some(&text))?;
     Ok(Exit::of_misfit(args.fail_on_misfit && is_rejected))
-}
-
-fn point_left_out(wrong: &Rejected) -> String {
-    format!(
-        "{} line {}: left out; off by {:.1} µm (u = {:.1} µm): {}",
-        wrong.file, wrong.row, wrong.error_um, wrong.u_um, wrong.reason
-    )
 }
 
 fn rejects_the_model(calibration: &Calibration) -> bool {

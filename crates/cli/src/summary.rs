@@ -19,12 +19,10 @@ pub(crate) use adjustment::adjustment;
 use crate::summary::paper_signs::with_paper_signs;
 use crate::summary::reversal::reversal_values;
 
-/// Coverage factor of the uncertainties that people read, if many degrees of freedom stand behind
-/// them.
+/// Coverage factor of the uncertainties that people read, if many degrees of freedom stand behind them.
 const COVERAGE: f64 = 2.0;
 
-/// Half width of the 95 % interval that people read: Student's factor where that is more than
-/// [`COVERAGE`].
+/// Half width of the 95 % interval that people read: Student's factor where that is more than [`COVERAGE`].
 fn expanded(u: f64, dof: f64) -> f64 {
     u * coverage_factor(dof).max(COVERAGE)
 }

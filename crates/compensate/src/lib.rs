@@ -1,4 +1,4 @@
-//! Commands that bring a machine with known errors where it was meant to go.
+//! Corrected commands for a machine with known errors.
 //!
 //! A machine with errors is at `g(q)` when it is commanded to `q`, and should be at `g₀(q)` (tool against workpiece).
 //! [`correct()`] finds the positions `c` with `g(c) = g₀(q)` as far as the axes can, and says what they cannot take away.

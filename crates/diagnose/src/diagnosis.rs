@@ -223,6 +223,16 @@ impl Unexplained {
     }
 }
 
+impl Rejected {
+    /// As a notice.
+    pub fn in_words(&self) -> String {
+        format!(
+            "{} line {}: left out; off by {:.1} µm (u = {:.1} µm): {}",
+            self.file, self.row, self.error_um, self.u_um, self.reason
+        )
+    }
+}
+
 /// A reading that contradicts all others and was left out.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Rejected {

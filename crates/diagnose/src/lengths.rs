@@ -13,6 +13,7 @@
 //! - [`measured`]: what the search for causes ([`crate::engine`]) asks of them.
 //! - [`beside`]: what wanders in a course that nobody knows joins the covariance.
 //! - [`grown`]: what scales all lengths of a station is a machine that was larger then, too.
+//! - [`shifted`]: a machine that shifts while one station is occupied is a tripod that jumps, too.
 //! - [`omnibus`]: whether anything is left at all, and what it varies with ([`unexplained`]).
 //! - [`left_out`]: gross errors leave before the search, and come back if the causes explain them.
 //! - [`named`]: which of the causes explain enough of what is there.
@@ -32,6 +33,7 @@ mod not_observable;
 mod omnibus;
 mod places;
 mod search;
+mod shifted;
 mod swapped;
 mod unexplained;
 mod weighed;

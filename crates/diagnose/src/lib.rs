@@ -13,7 +13,7 @@
 //! several that the data do not tell apart, or honestly unknown), what the *better model* looks like
 //! (parameters, by how much the calibration changes), and what is *gained* on data that were not used.
 //!
-//! Noun in: a [`trueaxis_campaign::Campaign`]; noun out: a [`Diagnosis`]. Its levels: the tracker's
+//! Noun in: a [`trueaxis_campaign::Campaign`]; noun out: a [`Diagnosis`]. It judges these levels: the tracker's
 //! lengths, or measured coordinates, the readings of other instruments (positioning lines, ball bars), and the calibrated error
 //! curves themselves, which contradict nothing and have no part in the verdict. The method and how often
 //! it is right: `docs/diagnosis.md` of the repository.

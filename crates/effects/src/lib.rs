@@ -13,7 +13,7 @@
 //! ([`Displaced::along`]).
 //!
 //! Noun in: the [`Circumstances`] of a reading; noun out: what each effect of the [`catalogue()`] does
-//! to it. Effects are siblings of one form, one file each ([`Effect`]); adding one takes one new file
+//! to it. All effects share one structure, one file each ([`Effect`]); adding one takes one new file
 //! and two lines in the catalogue. The crate estimates nothing.
 //!
 //! In files an effect with its values is a [`GivenEffect`], by names; in a [`Scene`] it becomes a

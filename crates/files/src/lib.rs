@@ -1,10 +1,10 @@
-//! Files: input documents whose faults are named, results that are whole and that people can read.
+//! Files: reading input with precise errors, writing readable results atomically.
 //!
 //! [`Format::read`] reads a JSON document; what is wrong with it has a [`Place`] and, for an unknown
 //! name, the [`Alternatives`].
 //!
-//! [`write_whole`] writes a file under a temporary name beside its place and renames it: whoever
-//! looks sees the old file or the new one, never a part. [`to_json`] is JSON with one line for each
+//! [`write_whole`] writes a file under a temporary name beside its place and renames it: readers
+//! see either the old file or the new one, never a part of it. [`to_json`] is JSON with one line for each
 //! field, arrays of numbers included, so that a curve is a line and not a column. [`to_npy`] is a
 //! `NumPy` file for arrays that are too large for text, [`NpzWriter`] writes several of them into one file.
 //!

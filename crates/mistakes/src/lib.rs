@@ -2,8 +2,8 @@
 //!
 //! Each mistake (names of targets or stations exchanged, an axis or the lengths reversed, nominal positions that are not
 //! those at home, a wrong prism constant) is undone in a copy of the campaign, and that copy is calibrated; long runs are
-//! thinned first. One after which the lengths fit, nothing but single lengths is removed, and the axes move as commanded,
-//! is named with where it was made and what to change. Mistakes that fit alike are all named, those made in the largest
+//! thinned first. A mistake is reported, with where it was made and what to change, if undoing it makes the lengths fit with
+//! only isolated rejections, and the axes move as commanded. Mistakes that fit alike are all named, those made in the largest
 //! part of the measurement first. A constant may be of any size: the lengths to one target are left out, and it is their
 //! mean difference from what the others predict.
 //!

@@ -42,7 +42,7 @@
 //! assert!((area.u - 10.006).abs() < 4.0 * area.scatter.u);
 //!
 //! // The first-order result, 100 mm² with u = 10 mm², has the ends of the interval wrong by 1 mm²:
-//! // too much for a u of two significant digits, (10 ± 0.5) mm², not for one of one.
+//! // too much for a u that is stated to two significant digits, (10 ± 0.5) mm², but not for one that is stated to one.
 //! let first_order = FirstOrder::normal(100.0, 10.0, 0.95);
 //! let two_digits = validate(&first_order, area, 2)?;
 //! assert_eq!(two_digits.outcome, Outcome::NotValidated);

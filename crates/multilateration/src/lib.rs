@@ -17,7 +17,7 @@
 //! covariance of everything. [`Trials`] solves a network again and again with other errors, for Monte
 //! Carlo. Lengths are mm in any right-handed frame.
 //!
-//! What looks for more in the lengths asks the solution: [`Solution::tests`] (is a length wrong?),
+//! Further analysis starts from the solution: [`Solution::tests`] (is a length wrong?),
 //! [`Solution::variance_components`] (what noise do the residuals show?), and [`Whitened`], the rows of the hat matrix,
 //! for all else.
 //!

@@ -8,8 +8,8 @@
 //! e(q) = Σ_tool twist - Σ_workpiece twist = J(q) x      cov = J cov(x) Jᵀ + K diag(u_interpolation²) Kᵀ
 //! ```
 //!
-//! Between the steps component errors are interpolated by local cubics, whose own uncertainty is what leaving a step out
-//! shows.
+//! Between the steps component errors are interpolated by local cubics, whose uncertainty is estimated by leaving a step
+//! out.
 //!
 //! Noun in: `calibration.json` with `covariance.npz` beside it ([`CalibratedMachine::read`]), or what a calibration
 //! found ([`CalibratedMachine::new`]); noun out: the [`CalibratedMachine`] with
@@ -29,8 +29,8 @@
 //!
 //! # What it does not do
 //!
-//! It does not calibrate (`trueaxis-calibrate`) and corrects nothing (`trueaxis-compensate`). What moves between the steps
-//! unseen is not in any uncertainty, nor are axes that were not measured ([`CalibratedMachine::unmeasured`]).
+//! It does not calibrate (`trueaxis-calibrate`) and corrects nothing (`trueaxis-compensate`). No stated uncertainty contains
+//! errors that the steps do not resolve, nor those of axes that were not measured ([`CalibratedMachine::unmeasured`]).
 
 mod approach;
 mod calibrated_machine;

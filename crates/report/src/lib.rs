@@ -14,7 +14,7 @@
 //!
 //! The page is a template of [minijinja](https://docs.rs/minijinja) which another one may replace
 //! ([`Settings::template`]); it gets the files as they stand (`calibration`, `diagnosis`, `volume`) beside the figures
-//! and numbers made of them, and asking it for what is not there is no error.
+//! and numbers made of them, and missing values are undefined and raise no error.
 //!
 //! It does not calculate: every number is in the files, but for rms and quantiles of residuals.
 //!

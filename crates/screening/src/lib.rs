@@ -14,11 +14,11 @@
 //! jumps of zeros, and the noise that the residuals show ([`estimate_noise`]). [`Screened::reliability`] says how far
 //! the lengths check each other. Lengths are mm; indices are those of the network that came in.
 //!
-//! The adjustment is that of [`trueaxis_multilateration`]. It is asked for nothing but numbers at a solution: the tests of
+//! The adjustment is that of [`trueaxis_multilateration`]. Screening uses only these quantities of the solution: the tests of
 //! all readings and visits ([`Solution::tests`]), the whitened rows of the hat matrix ([`Whitened`]), of which the tests of
 //! steps are made, and one step towards the variance components ([`Solution::variance_components`]). What follows from
-//! them is decided here. A reading that is to leave stays in the network with so large a variance
-//! ([`Network::variance_factors`]) that it pulls at nothing, and can come back; an interruption gives its station one dead
+//! them is decided here. A rejected reading stays in the network with its variance inflated so far
+//! ([`Network::variance_factors`]) that it has no influence, and can come back; an interruption gives its station one dead
 //! path more ([`Network::interruptions`]); the network is then solved again near its last solution.
 //!
 #![doc = "```"]

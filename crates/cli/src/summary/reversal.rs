@@ -2,59 +2,55 @@
 
 use trueaxis_calibrate::{AxisResult, Calibration, NodeResult};
 use trueaxis_campaign::Direction;
-use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
+use trueaxis_files::round;
+use trueaxis_kinematics::AxisKind;
+
+use crate::summary::unit;
+
+const HEAD: &str = "reversal values         forward less backward, mean and largest";
 
 /// The reversal values of ISO 230-2, forward less backward, at the reference point; nothing where the sides are together.
 pub(super) fn reversal_values(calibration: &Calibration) -> Vec<String> {
-    let of_axes = calibration.axes.iter();
-    let of_axes: Vec<String> = of_axes
-        .filter_map(|axis| of_axis(calibration, axis))
-        .collect();
-    match of_axes.is_empty() {
-        true => Vec::new(),
-        false => {
-            let head = "reversal values         forward less backward, mean and largest";
-            let head = [String::new(), head.to_owned()].into_iter();
-            head.chain(of_axes).collect()
-        }
+    let axes = calibration.axes.iter();
+    let mut lines: Vec<String> = axes.filter_map(|axis| of_axis(calibration, axis)).collect();
+    if !lines.is_empty() {
+        lines.splice(0..0, ["", HEAD].map(str::to_owned));
     }
+    lines
 }
 
 fn of_axis(calibration: &Calibration, axis: &AxisResult) -> Option<String> {
     let geometry = &calibration.machine.axes()[axis.axis];
-    let direction = geometry.direction();
-    let (unit, size) = match geometry.kind() {
-        AxisKind::Linear => (" µm", MICROMETRE),
-        AxisKind::Rotary => ("″", ARCSEC),
-    };
-    let own = |node: &NodeResult| match geometry.kind() {
+    let (direction, kind) = (geometry.direction(), geometry.kind());
+    let own = |node: &NodeResult| match kind {
         AxisKind::Linear => direction.dot(&node.error.translation_mm),
         AxisKind::Rotary => direction.dot(&node.error.rotation_rad),
     };
-    let of_side = |side: Direction| {
-        let nodes = axis.nodes.iter();
-        nodes.filter(move |node| node.direction == Some(side))
-    };
-    let reversals = of_side(Direction::Forward).filter_map(|forward| {
-        let mut backward = of_side(Direction::Backward);
-        let same = |node: &&NodeResult| (node.position - forward.position).abs() < f64::EPSILON;
-        Some((forward.position, own(forward) - own(backward.find(same)?)))
+    let nodes = axis.nodes.iter();
+    let reversals = nodes.filter_map(|forward| {
+        let is_other_side = |node: &&NodeResult| {
+            node.direction == Some(Direction::Backward)
+                && node.position.total_cmp(&forward.position).is_eq()
+        };
+        let backward = axis.nodes.iter().find(is_other_side)?;
+        let is_forward = forward.direction == Some(Direction::Forward);
+        is_forward.then(|| (forward.position, own(forward) - own(backward)))
     });
-    let reversals: Vec<(f64, f64)> = reversals.collect();
-    let (at, largest) = reversals
-        .iter()
-        .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
-    let mean = reversals.iter().map(|(_, b)| b).sum::<f64>() / reversals.len() as f64;
-    let positions: Vec<f64> = reversals.iter().map(|(position, _)| *position).collect();
+    let (positions, reversals): (Vec<f64>, Vec<f64>) = reversals.unzip();
+    let pairs = positions.iter().zip(&reversals);
+    let (at, largest) = pairs.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    let mean = reversals.iter().sum::<f64>() / reversals.len() as f64;
     let machine = calibration.calibrated_machine();
     let u = machine.u_of_lost_motion(axis.axis, &positions, axis.reference_point_mm);
-    let position = geometry.kind().position_in_file(*at);
-    let position_unit = geometry.kind().position_unit();
+    let (unit, size) = unit(kind == AxisKind::Rotary);
+    let unit = unit.trim();
     Some(format!(
-        "  {:<22}{:+.2}{unit} (U {:.2}), {:+.2}{unit} at {position} {position_unit}",
+        "  {:<22}{:+.2} {unit} (U {:.2}), {:+.2} {unit} at {} {}",
         axis.name,
         mean / size,
         2.0 * u / size,
-        largest / size
+        largest / size,
+        round(kind.position_in_file(*at), 9),
+        kind.position_unit()
     ))
 }

@@ -10,14 +10,14 @@ use crate::lengths::omnibus::travelled;
 /// Parts of the travel and of the campaign's time.
 const PARTS: usize = 4;
 
-/// Rms of the residuals (mm) by station, target, axis, direction, repeat, position and time, before and
-/// after; `scale` makes them per degree of freedom.
-pub(crate) fn places(base: &Base<'_>, residuals_mm: [&[f64]; 2], scale: [f64; 2]) -> Vec<Place> {
+/// Rms of the whitened residuals by station, target, axis, direction, repeat, position and time, before and
+/// after; `scale_um` is the noise of a length, per degree of freedom.
+pub(crate) fn places(base: &Base<'_>, residuals: [&[f64]; 2], scale_um: [f64; 2]) -> Vec<Place> {
     let scene = &base.scene;
     let rms_um = |rows: &[usize]| {
         [0, 1].map(|k| {
-            let squares: f64 = rows.iter().map(|&i| residuals_mm[k][i].powi(2)).sum();
-            (squares / rows.len() as f64).sqrt() * scale[k] * 1e3
+            let squares: f64 = rows.iter().map(|&i| residuals[k][i].powi(2)).sum();
+            (squares / rows.len() as f64).sqrt() * scale_um[k]
         })
     };
     let bounds = (1..PARTS).map(|k| k as f64 / PARTS as f64);

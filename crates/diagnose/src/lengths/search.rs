@@ -21,6 +21,7 @@ use crate::lengths::noise_floor::{mean_noise_um, noise_floor_um};
 use crate::lengths::not_observable::not_observable;
 use crate::lengths::omnibus::omnibus;
 use crate::lengths::places::places;
+use crate::lengths::shifted::add_jumps;
 use crate::said::{Entry, Said};
 use crate::selection::{Hypothesis, Null, Part};
 use crate::{Error, Gain, LevelReport, Misfit, NotObservable, Shares};
@@ -57,6 +58,7 @@ pub(crate) fn diagnose_lengths(
         &mut named.found,
     )?;
     add_growth(&named.base, &named.adjusted, &mut named.found)?;
+    add_jumps(&named.base, &named.adjusted, &mut named.found)?;
     let Named {
         base,
         found,
@@ -92,8 +94,8 @@ pub(crate) fn diagnose_lengths(
     let smooth = smooth.map(|d| Part::Smooth(whitened_columns(&base, &sharp, d)));
     let parts: Vec<Part> = of_causes.chain(smooth).collect();
     let shares = Shares::of_parts(&sharp.projection, &parts, unexplained.is_some());
-    let scale = |adjusted: &Adjusted| {
-        (base.readings.len() as f64 / adjusted.projection.degrees_of_freedom).sqrt()
+    let scale_um = |adjusted: &Adjusted| {
+        length_um * (base.readings.len() as f64 / adjusted.projection.degrees_of_freedom).sqrt()
     };
     let report = LevelReport {
         level: Level::Lengths,
@@ -115,8 +117,8 @@ pub(crate) fn diagnose_lengths(
         tests_after: after.into_iter().map(|t| t.test).collect(),
         places: places(
             &base,
-            [&sharp.solution.residuals_mm, &rest.solution.residuals_mm],
-            [scale(&sharp), scale(&current)],
+            [&sharp.projection.residuals, &rest.projection.residuals],
+            [&sharp, &current].map(scale_um),
         ),
     };
     let effects_mm = effects_mm(&base, lengths, &current, &wandered_mm);

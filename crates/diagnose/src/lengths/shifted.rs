@@ -1,0 +1,68 @@
+//! A machine that shifts while one station is occupied: in the lengths a jump of that tripod the other way.
+//!
+//! Later stations stand where they stand against the machine as it is then. Both names are given wherever one is found, unless targets on
+//! the bed, which stay, tell them apart.
+
+use trueaxis_effects::{Subject, effect};
+
+use crate::Error;
+use crate::engine::{Found, Suspect};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
+use crate::selection::{DECISIVE, Fit, Hypothesis};
+
+/// Adds to a shift of the machine the jump of a tripod at the same instant that explains nearly as much, if there is one.
+pub(crate) fn add_jumps(
+    base: &Base<'_>,
+    adjusted: &Adjusted,
+    found: &mut [Found],
+) -> Result<(), Error> {
+    let Some(jump) = effect("station_jump").filter(|_| !base.scene.has_bed_targets()) else {
+        return Ok(());
+    };
+    for (k, found) in found.iter_mut().enumerate() {
+        let is_jump = |(rival, _): &(Suspect, f64)| rival.hypothesis.effect.id == jump.id;
+        let shape = found.suspect.shape;
+        if found.suspect.hypothesis.effect.id != "machine_shift" || found.rivals.iter().any(is_jump)
+        {
+            continue;
+        }
+        let mut others = adjusted.suspects.clone();
+        others.remove(k);
+        let without = base.adjust_near(adjusted, others)?;
+        let own = base.columns(&without, &found.suspect.hypothesis, shape);
+        let own = Fit::new(&without.projection, &own).gained();
+        let stations = base.scene.stations.len();
+        let of_station = |station: usize| {
+            let hypothesis = Hypothesis {
+                effect: jump,
+                subject: Subject {
+                    station: Some(station),
+                    ..Subject::default()
+                },
+                subjects: stations,
+            };
+            let fit = Fit::new(
+                &without.projection,
+                &base.columns(&without, &hypothesis, shape),
+            );
+            (hypothesis, fit)
+        };
+        let all = (0..stations).map(of_station);
+        let best = all.max_by(|(_, a), (_, b)| a.gained().total_cmp(&b.gained()));
+        let Some((hypothesis, fit)) = best.filter(|(_, fit)| own - fit.gained() < DECISIVE) else {
+            continue;
+        };
+        let bic = found.bic + own - fit.gained();
+        let rival = Suspect {
+            hypothesis,
+            shape,
+            u_shape: found.suspect.u_shape,
+            parameters: fit.estimates.clone(),
+            covariance: fit.covariance.clone(),
+            seen: fit.seen.clone(),
+        };
+        found.rivals.push((rival, bic));
+    }
+    Ok(())
+}
