@@ -28,8 +28,8 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
         covariance: args.covariance,
         ..args.model.settings()
     };
-    let kept = without_wrong_points(&campaign).filter(|_| settings.robust);
-    let (campaign, left_out) = kept.unwrap_or((campaign, Vec::new()));
+    let kept = settings.robust.then(|| without_wrong_points(&campaign));
+    let (campaign, left_out) = kept.flatten().unwrap_or((campaign, Vec::new()));
     let in_file = || args.campaign.display().to_string();
     let mut extra = Vec::new();
     let mut checked = Vec::new();

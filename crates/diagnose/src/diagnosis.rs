@@ -223,16 +223,6 @@ impl Unexplained {
     }
 }
 
-impl Rejected {
-    /// As a notice.
-    pub fn in_words(&self) -> String {
-        format!(
-            "{} line {}: left out; off by {:.1} µm (u = {:.1} µm): {}",
-            self.file, self.row, self.error_um, self.u_um, self.reason
-        )
-    }
-}
-
 /// A reading that contradicts all others and was left out.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Rejected {
@@ -248,6 +238,16 @@ pub struct Rejected {
     pub u_um: f64,
     /// In words.
     pub reason: String,
+}
+
+impl Rejected {
+    /// As a notice.
+    pub fn in_words(&self) -> String {
+        format!(
+            "{} line {}: left out; off by {:.1} µm (u = {:.1} µm): {}",
+            self.file, self.row, self.error_um, self.u_um, self.reason
+        )
+    }
 }
 
 /// An effect that these data cannot show. It may be there all the same.

@@ -157,9 +157,8 @@ impl TurnedRuns {
         });
         format!(
             "runs {a} and {b} see the stage turned against each other where all axes stand alike ({}): {} (u); the instrument was moved or \
-              turned between them, the machine shifted, or an axis tilts the stage by its lost motion; the angles between their lines \
-             (squareness, axis locations) are wrong by as \
-             much, which their U does not contain",
+             turned between them, the machine shifted, or an axis tilts the stage by its lost motion; the angles between their lines \
+             (squareness, axis locations) are wrong by as much, which their U does not contain",
             self.at,
             parts.collect::<Vec<_>>().join(", ")
         )

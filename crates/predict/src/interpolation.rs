@@ -81,15 +81,20 @@ pub(crate) mod tests {
         }
     }
 
-    #[test]
-    fn sides_that_reach_a_position_share_it() {
-        let nodes = [
+    /// From 0 forward, from 10 on from both sides.
+    pub(crate) fn both_sides() -> [Node; 5] {
+        [
             at(0.0, Some(Forward)),
             at(10.0, Some(Backward)),
             at(10.0, Some(Forward)),
             at(20.0, Some(Backward)),
             at(20.0, Some(Forward)),
-        ];
+        ]
+    }
+
+    #[test]
+    fn sides_that_reach_a_position_share_it() {
+        let nodes = both_sides();
         // Only forward reaches 5; both reach 15.
         assert_eq!(weights_at(&nodes, 5.0), [(0, 0.5), (2, 0.5)]);
         assert_eq!(

@@ -7,7 +7,7 @@ use crate::calibration::Machine;
 use crate::numbers::{fixed, normal_quantile, rough};
 use crate::page::Figure;
 use crate::residuals::{Residuals, Row};
-use crate::svg::plot::{Frame, Plot, series_mark};
+use crate::svg::plot::{Frame, Plot, series_class, series_mark};
 use crate::svg::ticks::{Scale, range};
 use crate::words::shortened;
 
@@ -184,11 +184,7 @@ fn in_time(residuals: &Residuals, every: usize, noise: Option<f64>) -> Figure {
         plot.hover(at(row), &text);
     }
     for (series, name) in residuals.series.iter().enumerate() {
-        let (colour, is_cross) = series_mark(series);
-        plot.add_key(
-            &format!("p{colour}{}", if is_cross { " x" } else { "" }),
-            name,
-        );
+        plot.add_key(&series_class(series), name);
     }
     plot.add_key("out", "removed");
     if noise.is_some() {

@@ -38,6 +38,18 @@ struct Entry {
     iso_230_4: Option<Value>,
 }
 
+impl Entry {
+    /// Whether the uncertainty of a reading is declared.
+    fn is_declared(&self) -> bool {
+        self.points.iter().any(|point| point.u_reading_um.is_some())
+    }
+
+    /// Whether both sides of approach were read.
+    fn has_sides(&self) -> bool {
+        self.points.iter().any(|point| point.direction < 0)
+    }
+}
+
 #[derive(Debug, Deserialize)]
 struct Point {
     at: BTreeMap<String, f64>,
@@ -136,10 +148,9 @@ impl VerificationSection {
             };
             let without = range_of(&|point| point.predicted_um);
             let with = range_of(&|point| point.compensated_um);
-            let mut points = entry.points.iter();
             EntryView {
-                is_declared: points.any(|point| point.u_reading_um.is_some()),
-                has_sides: entry.points.iter().any(|point| point.direction < 0),
+                is_declared: entry.is_declared(),
+                has_sides: entry.has_sides(),
                 predicted_um: fixed(without, 2),
                 compensated_um: fixed(with, 2),
                 moves_more: with > without + LAST_DIGIT_UM,
@@ -273,13 +284,12 @@ fn figure(k: usize, entry: &Entry, rotary_axes: &[String]) -> Option<Figure> {
         );
         plot.hover([x, point.reading_um], &text);
     }
-    let is_declared = points().any(|point| u_reading(point) > 0.0);
-    let read = |side: &str| match is_declared {
+    let read = |side: &str| match entry.is_declared() {
         true => format!("read {side}, with U"),
         false => format!("read {side}"),
     };
     plot.add_key("m1", &read("forward"));
-    if points().any(|point| point.direction < 0) {
+    if entry.has_sides() {
         plot.add_key("p1 x", &read("backward"));
     }
     plot.add_key("l0", "predicted, with its 95 % band");

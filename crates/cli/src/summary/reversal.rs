@@ -4,6 +4,7 @@ use trueaxis_calibrate::{AxisResult, Calibration, NodeResult};
 use trueaxis_campaign::Direction;
 use trueaxis_files::round;
 use trueaxis_kinematics::AxisKind;
+use trueaxis_predict::CalibratedMachine;
 
 use crate::summary::unit;
 
@@ -11,16 +12,21 @@ const HEAD: &str = "reversal values         forward less backward, mean and larg
 
 /// The reversal values of ISO 230-2, forward less backward, at the reference point; nothing where the sides are together.
 pub(super) fn reversal_values(calibration: &Calibration) -> Vec<String> {
+    let mut nodes = calibration.axes.iter().flat_map(|axis| &axis.nodes);
+    if nodes.all(|node| node.direction.is_none()) {
+        return Vec::new();
+    }
+    let machine = calibration.calibrated_machine();
     let axes = calibration.axes.iter();
-    let mut lines: Vec<String> = axes.filter_map(|axis| of_axis(calibration, axis)).collect();
+    let mut lines: Vec<String> = axes.filter_map(|axis| of_axis(&machine, axis)).collect();
     if !lines.is_empty() {
         lines.splice(0..0, ["", HEAD].map(str::to_owned));
     }
     lines
 }
 
-fn of_axis(calibration: &Calibration, axis: &AxisResult) -> Option<String> {
-    let geometry = &calibration.machine.axes()[axis.axis];
+fn of_axis(machine: &CalibratedMachine, axis: &AxisResult) -> Option<String> {
+    let geometry = &machine.machine().axes()[axis.axis];
     let (direction, kind) = (geometry.direction(), geometry.kind());
     let own = |node: &NodeResult| match kind {
         AxisKind::Linear => direction.dot(&node.error.translation_mm),
@@ -40,7 +46,6 @@ fn of_axis(calibration: &Calibration, axis: &AxisResult) -> Option<String> {
     let pairs = positions.iter().zip(&reversals);
     let (at, largest) = pairs.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
     let mean = reversals.iter().sum::<f64>() / reversals.len() as f64;
-    let machine = calibration.calibrated_machine();
     let u = machine.u_of_lost_motion(axis.axis, &positions, axis.reference_point_mm);
     let (unit, size) = unit(kind == AxisKind::Rotary);
     let unit = unit.trim();

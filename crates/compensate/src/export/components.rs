@@ -65,23 +65,15 @@ impl Components {
         let of_axis = |axis: usize| {
             let geometry = &machine.axes()[axis];
             let location = calibrated.location(axis);
+            // From the reference point of δ to where the control has it.
+            let way = match geometry.kind() {
+                AxisKind::Linear => -geometry.reference_mm().coords,
+                AxisKind::Rotary => along_to_point(geometry, &location),
+            };
             let error = |position: f64| {
                 let error = calibrated.motion(axis, position);
-                let reference = geometry.reference_mm().coords;
-                match geometry.kind() {
-                    AxisKind::Linear => {
-                        let turned = error.isometry().rotation * reference;
-                        MotionError::new(
-                            error.translation_mm + reference - turned,
-                            error.rotation_rad,
-                        )
-                    }
-                    AxisKind::Rotary => {
-                        let along = along_to_point(geometry, &location);
-                        let turned = error.isometry().rotation * along;
-                        MotionError::new(error.translation_mm + turned - along, error.rotation_rad)
-                    }
-                }
+                let turned = error.isometry().rotation * way;
+                MotionError::new(error.translation_mm + turned - way, error.rotation_rad)
             };
             let home = match all_linear {
                 true => error(0.0).translation_mm,

@@ -10,7 +10,7 @@ use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, MICROMETRE};
 use trueaxis_predict::ERROR_COLUMNS;
 
-use crate::export::line::positions;
+use crate::export::line::{positions, take_off};
 use crate::export::named_errors::wrong;
 use crate::export::old_files::reach;
 use crate::export::sides::Sides;
@@ -67,9 +67,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     };
     // What the table itself adds there, where no node may be.
     let home = own.added(&at_home);
-    for added in &mut own.values {
-        added.iter_mut().zip(&home).for_each(|(a, home)| *a -= home);
-    }
+    take_off(&mut own.values, &home);
     let mut reached = Vec::new();
     let written = match request.onto {
         [] => None,

@@ -79,10 +79,7 @@ impl Line {
         // What the table itself has there, where no point may be.
         let axes = 0..machine.axes().len();
         let home: Vec<f64> = axes.map(|of| line.at(of, 0.0)).collect();
-        for deviations in line.forward.iter_mut().chain(&mut line.backward) {
-            let pairs = deviations.iter_mut().zip(&home);
-            pairs.for_each(|(deviation, home)| *deviation -= home);
-        }
+        take_off(line.forward.iter_mut().chain(&mut line.backward), &home);
         line.check_slopes(request)?;
         Ok(line)
     }
@@ -153,6 +150,15 @@ impl Line {
             slope,
             most: STEEPEST,
         })
+    }
+}
+
+/// Takes what a table has at home off all its rows.
+pub(crate) fn take_off<'a>(rows: impl IntoIterator<Item = &'a mut Vec<f64>>, home: &[f64]) {
+    for row in rows {
+        row.iter_mut()
+            .zip(home)
+            .for_each(|(value, home)| *value -= home);
     }
 }
 

@@ -54,14 +54,7 @@ pub(crate) fn add_jumps(
             continue;
         };
         let bic = found.bic + own - fit.gained();
-        let rival = Suspect {
-            hypothesis,
-            shape,
-            u_shape: found.suspect.u_shape,
-            parameters: fit.estimates.clone(),
-            covariance: fit.covariance.clone(),
-            seen: fit.seen.clone(),
-        };
+        let rival = Suspect::new(hypothesis, (shape, found.suspect.u_shape), &fit);
         found.rivals.push((rival, bic));
     }
     Ok(())

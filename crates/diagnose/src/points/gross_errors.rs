@@ -80,6 +80,11 @@ impl Gross {
             reason: reason.to_owned(),
         })
     }
+
+    /// Whether it is the stop of another one.
+    fn holds(&self, other: &Self) -> bool {
+        self.stop == other.stop && (self.points.len() > 1 || other.points.len() > 1)
+    }
 }
 
 impl Wrong {
@@ -177,13 +182,6 @@ fn first_of_steps(mut found: Vec<Gross>) -> Vec<Gross> {
         }
     }
     out
-}
-
-impl Gross {
-    /// Whether it is the stop of another one.
-    fn holds(&self, other: &Self) -> bool {
-        self.stop == other.stop && (self.points.len() > 1 || other.points.len() > 1)
-    }
 }
 
 /// Whether these are so few and so scattered that they are accidents.

@@ -37,12 +37,15 @@ pub fn without_wrong_points(campaign: &Campaign) -> Option<(Campaign, Vec<Reject
             rejected.extend(of_step.iter().flat_map(Gross::rejected));
         }
     }
+    if rejected.is_empty() {
+        return None;
+    }
     rejected.sort_by_key(|own| own.row);
     let kept = Campaign {
         points: Some(without(points, &removed)),
         ..campaign.clone()
     };
-    (!rejected.is_empty()).then_some((kept, rejected))
+    Some((kept, rejected))
 }
 
 /// Whether every run keeps the targets that it has at all of its steps, from each side, or three of them.

@@ -76,13 +76,13 @@ pub(crate) fn alike_neighbours<'a>(
 /// The noise of a series beside its causes, if neighbours are alike by a drop of the deviance.
 fn noise(series: &Series<'_>, least: f64) -> Option<Noise> {
     let comparison = series.plain.comparison;
-    let rows = looked_at(comparison);
+    let (rows, cells): (Vec<usize>, Vec<usize>) = looked_at(comparison).into_iter().unzip();
     let causes = series.model.problem.listed.columns(&series.model.causes);
     let causes = causes.iter().map(|column| series.plain.um(column));
-    let columns = indicators(&cells(comparison)).into_iter();
-    let columns = columns.chain(pass_columns(comparison, true)).chain(causes);
+    let others = pass_columns(comparison, true).into_iter().chain(causes);
     let cut = |column: &[f64]| rows.iter().map(|&row| column[row]).collect::<Vec<f64>>();
-    let columns: Vec<Vec<f64>> = columns.map(|column| cut(&column)).collect();
+    let mut columns = indicators(&cells);
+    columns.extend(others.map(|column| cut(&column)));
     let follows = |(i, &row): (usize, &usize)| match i > 0 && rows[i - 1] + 1 == row {
         true => comparison.lags[row],
         false => f64::INFINITY,
@@ -108,13 +108,11 @@ fn noise(series: &Series<'_>, least: f64) -> Option<Noise> {
     })
 }
 
-/// Rows of the first positions of all passes.
-fn looked_at(comparison: &Comparison<'_>) -> Vec<usize> {
-    let cells = cells(comparison).into_iter().enumerate();
+/// Rows of the first positions of all passes, and their cells.
+fn looked_at(comparison: &Comparison<'_>) -> Vec<(usize, usize)> {
+    let mut cells: Vec<(usize, usize)> = cells(comparison).into_iter().enumerate().collect();
+    cells.retain(|(_, cell)| *cell < MOST_CELLS);
     cells
-        .filter(|(_, cell)| *cell < MOST_CELLS)
-        .map(|(row, _)| row)
-        .collect()
 }
 
 /// A model of readings that are alike.

@@ -2,11 +2,10 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
-use trueaxis_campaign::Direction::{Backward, Forward};
 use trueaxis_montecarlo::ChaCha8Rng;
 
 use super::*;
-use crate::interpolation::tests::at;
+use crate::interpolation::tests::{at, both_sides};
 
 fn places(positions: impl IntoIterator<Item = f64>) -> Vec<Node> {
     positions.into_iter().map(|q| at(q, None)).collect()
@@ -222,13 +221,7 @@ fn steps_of_like_distances_are_knots_of_their_own() {
 
 #[test]
 fn sides_that_reach_a_position_share_it() {
-    let nodes = [
-        at(0.0, Some(Forward)),
-        at(10.0, Some(Backward)),
-        at(10.0, Some(Forward)),
-        at(20.0, Some(Backward)),
-        at(20.0, Some(Forward)),
-    ];
+    let nodes = both_sides();
     let curve = Curve::new(AxisKind::Linear, &nodes);
     assert_eq!(curve.at(5.0).weights, [(0, 0.5), (2, 0.5)]);
     assert_eq!(curve.at(10.0).weights, [(1, 0.5), (2, 0.5)]);

@@ -129,10 +129,10 @@ impl Plot {
 
     /// The dots of one of many series, crosses beyond the sixth.
     pub(crate) fn series(&mut self, number: usize, points: impl Iterator<Item = [f64; 2]>) {
-        let points = self.inside(points).into_iter();
-        match series_mark(number) {
-            (colour, false) => self.drawing.dots(&format!("p{colour}"), points),
-            (colour, true) => self.drawing.crosses(&format!("p{colour} x"), points),
+        let (class, (_, is_cross)) = (series_class(number), series_mark(number));
+        match is_cross {
+            false => self.dots(&class, points),
+            true => self.crosses(&class, points),
         }
     }
 
@@ -161,6 +161,12 @@ impl Plot {
 
 /// Number of colours that can be told apart.
 pub(crate) const COLOURS: usize = 6;
+
+/// The class of the marks of a series.
+pub(crate) fn series_class(number: usize) -> String {
+    let (colour, is_cross) = series_mark(number);
+    format!("p{colour}{}", if is_cross { " x" } else { "" })
+}
 
 /// The colour of a series, and whether its marks are crosses.
 pub(crate) fn series_mark(number: usize) -> (usize, bool) {

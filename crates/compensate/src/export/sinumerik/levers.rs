@@ -19,7 +19,7 @@ use trueaxis_files::round;
 use trueaxis_kinematics::{AxisKind, Branch, Machine};
 
 use crate::export::Request;
-use crate::export::line::{Line, interpolate};
+use crate::export::line::{Line, interpolate, take_off};
 use crate::export::sinumerik::sag::Product;
 use crate::export::sinumerik::table::{Kind, Table};
 use crate::{Error, Moved, axis_deviations};
@@ -161,11 +161,6 @@ fn slopes(request: &Request<'_>, line: &Line, along: usize, travel: [f64; 2]) ->
     let axes = 0..machine.axes().len();
     let home = axes.map(|of| interpolate(&line.positions, |k| all[k][of], 0.0));
     let home: Vec<f64> = home.collect();
-    for slopes in &mut all {
-        slopes
-            .iter_mut()
-            .zip(&home)
-            .for_each(|(slope, home)| *slope -= home);
-    }
+    take_off(&mut all, &home);
     all
 }
