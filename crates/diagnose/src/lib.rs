@@ -39,8 +39,8 @@ mod lengths;
 mod points;
 mod runs;
 mod said;
-mod selection;
 mod settings;
+mod shares;
 mod verification;
 
 pub use cause::{Cause, Change, EstimatedParameter, Follows, Rival};
@@ -53,5 +53,7 @@ pub use disturbance::{CorrelationLength, CurvePoint, Disturbance, Wandering};
 pub use error::Error;
 pub use fitted::{Against, Fitted, FittedPoint};
 pub use points::without_wrong_points;
-pub use selection::Shares;
 pub use settings::Settings;
+pub use shares::Shares;
+
+use trueaxis_selection as selection;

@@ -23,7 +23,8 @@ use crate::runs::fitted::fitted;
 use crate::runs::hypotheses::{candidates, not_observable};
 use crate::runs::search::{rivals, search};
 use crate::said::{Entry, Said};
-use crate::selection::{Part, Projection, f_test};
+use crate::selection::{Projection, f_test};
+use crate::shares::Part;
 use crate::{Cause, Error, LevelReport, Misfit, OmnibusTest, Settings, Shares, Unexplained};
 
 /// Family-wise level of the causes, and level of the misfit of the runs: together 0.7 % of campaigns whose runs agree

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
-use trueaxis_effects::{Level, ResolvedEffect, Scene};
+use trueaxis_effects::{Level, Scene};
 
 use crate::engine::estimated::beside_shape;
 use crate::engine::{Candidate, with_uncertainties};
@@ -270,18 +270,6 @@ impl Beside {
 
     pub(crate) fn null(&self) -> Null {
         Null::simulated(&self.model, &self.scans)
-    }
-}
-
-impl Hypothesis {
-    /// The effect with values.
-    pub(crate) fn resolved(&self, parameters: Vec<f64>, shape: f64) -> ResolvedEffect {
-        ResolvedEffect {
-            effect: self.effect,
-            subject: self.subject,
-            parameters,
-            shape,
-        }
     }
 }
 

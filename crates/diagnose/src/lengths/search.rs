@@ -23,7 +23,8 @@ use crate::lengths::omnibus::omnibus;
 use crate::lengths::places::places;
 use crate::lengths::shifted::add_jumps;
 use crate::said::{Entry, Said};
-use crate::selection::{Hypothesis, Null, Part};
+use crate::selection::{Hypothesis, Null};
+use crate::shares::Part;
 use crate::{Error, Gain, LevelReport, Misfit, NotObservable, Shares};
 
 /// Finds what the lengths contradict in the rigid, quasi-static model, and why, from the adjustment of their

@@ -20,7 +20,8 @@ use crate::points::omnibus::{families, omnibus};
 use crate::points::places::places;
 use crate::points::screened::{Screened, without};
 use crate::said::{Entry, Said};
-use crate::selection::{Fit, Hypothesis, Null, Part};
+use crate::selection::{Fit, Hypothesis, Null};
+use crate::shares::Part;
 use crate::{Error, LevelReport, Misfit, Shares};
 
 /// Degrees of freedom below which nothing can be said.

@@ -4,7 +4,8 @@ use trueaxis_effects::{Level, Scene};
 
 use crate::engine::{Chosen, Omnibus, without};
 use crate::said::Entry;
-use crate::selection::{Part, Projection, add};
+use crate::selection::{Projection, add};
+use crate::shares::Part;
 use crate::verification::another_curve::another_curve;
 use crate::verification::competition::compete;
 use crate::verification::doubted::doubted;

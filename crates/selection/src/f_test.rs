@@ -6,7 +6,7 @@ use statrs::function::beta::{beta_reg, ln_beta};
 /// Natural logarithm of the probability that `rank` columns without an effect lower the sum `squares` by as
 /// much as `drop`, with `degrees_of_freedom` before:
 /// `I_y((ν - k)/2, k/2)`, `y = 1 - drop/squares`.
-pub(crate) fn ln_f_test(drop: f64, squares: f64, rank: usize, degrees_of_freedom: f64) -> f64 {
+pub fn ln_f_test(drop: f64, squares: f64, rank: usize, degrees_of_freedom: f64) -> f64 {
     let (k, rest) = (rank as f64, degrees_of_freedom - rank as f64);
     if rank == 0 || rest <= 0.0 || drop <= 0.0 || squares <= 0.0 {
         return 0.0;
@@ -34,7 +34,7 @@ const NEGLIGIBLE: f64 = 1e-14;
 const MOST_TERMS: f64 = 1e5;
 
 /// The probability itself.
-pub(crate) fn f_test(drop: f64, squares: f64, rank: usize, degrees_of_freedom: f64) -> f64 {
+pub fn f_test(drop: f64, squares: f64, rank: usize, degrees_of_freedom: f64) -> f64 {
     ln_f_test(drop, squares, rank, degrees_of_freedom).exp()
 }
 

@@ -16,8 +16,8 @@ use std::ops::Range;
 
 use trueaxis_leastsquares::{Lanes, dot, in_widest_registers, lanes_only};
 
-use crate::selection::scan::{OfOne, OfSeveral, Tried};
-use crate::selection::{Gram, Hypothesis, Projection, Scan, add, middle};
+use crate::scan::{OfOne, OfSeveral, Tried};
+use crate::{Gram, Hypothesis, Projection, Scan, add, middle};
 
 /// Visits on either side of an instant: fewer are no jump but repeatability, or gross errors.
 const LEAST_VISITS: usize = 3;
@@ -27,17 +27,18 @@ const MOST_CUTS: usize = 12;
 
 /// A visit of a network, or a stop, of several in time order.
 #[derive(Debug, Clone)]
-pub(crate) struct VisitTimes {
+pub struct VisitTimes {
     /// Rows of the visit.
-    pub(crate) rows: Range<usize>,
+    pub rows: Range<usize>,
     /// When each of them was measured, s.
-    pub(crate) times_s: Vec<f64>,
+    pub times_s: Vec<f64>,
     /// First and last time, s.
-    pub(crate) span_s: [f64; 2],
+    pub span_s: [f64; 2],
 }
 
 impl VisitTimes {
-    pub(crate) fn new(rows: Range<usize>, times_s: impl Iterator<Item = f64>) -> Self {
+    /// That of rows with their times, s.
+    pub fn new(rows: Range<usize>, times_s: impl Iterator<Item = f64>) -> Self {
         let times_s: Vec<f64> = times_s.collect();
         Self {
             rows,
@@ -78,7 +79,7 @@ fn span_s(times_s: &[f64]) -> [f64; 2] {
 pub(crate) type ColumnsAfter<'a> = dyn Fn(&dyn Fn(usize) -> bool) -> Vec<Vec<f64>> + 'a;
 
 /// All instants of one hypothesis.
-pub(crate) struct StepScan {
+pub struct StepScan {
     hypothesis: Hypothesis,
     /// Whitened columns without the first rows of each visit, row after row, for each number of these; 0 is from the beginning of
     /// time.
@@ -100,7 +101,7 @@ struct Instant {
 
 impl StepScan {
     /// `None` if no instant shows.
-    pub(crate) fn new(
+    pub fn new(
         hypothesis: Hypothesis,
         projection: &Projection,
         visits: &[VisitTimes],

@@ -18,28 +18,33 @@ pub(crate) use taken::Taken;
 
 /// Whitened residuals and the projection that made them. What is as long as the data is shared by all that have it.
 #[derive(Debug, Clone)]
-pub(crate) struct Projection {
+pub struct Projection {
     /// `e = M y`.
-    pub(crate) residuals: Vec<f64>,
+    pub residuals: Vec<f64>,
     /// `yᵀ M y`.
-    pub(crate) squares: f64,
+    pub squares: f64,
     /// Observations less parameters of the base model.
-    pub(crate) degrees_of_freedom: f64,
+    pub degrees_of_freedom: f64,
     /// Columns with a prior as far as the data take them, `Σ x/(1 + x)`.
-    pub(crate) taken: f64,
+    pub taken: f64,
     /// Whether columns with a prior are in it, so that `M² ≠ M`.
-    pub(crate) is_soft: bool,
-    pub(crate) group_of_row: Arc<Vec<usize>>,
-    pub(crate) groups: usize,
+    pub is_soft: bool,
+    /// Which group each row belongs to, from 0.
+    pub group_of_row: Arc<Vec<usize>>,
+    /// Number of groups.
+    pub groups: usize,
     /// `O`, row after row.
-    pub(crate) own: Arc<Vec<f64>>,
-    pub(crate) own_width: usize,
+    pub own: Arc<Vec<f64>>,
+    /// Columns of `O` in each row.
+    pub own_width: usize,
     /// `T`, row after row; orthonormal columns, and orthogonal to those of all groups, if there is no `Σ`.
-    pub(crate) shared: Arc<Vec<f64>>,
-    pub(crate) shared_width: usize,
+    pub shared: Arc<Vec<f64>>,
+    /// Columns of `T`.
+    pub shared_width: usize,
     /// `Σ` of the first columns of `T`, row after row; of the others it is the identity.
-    pub(crate) sigma: Arc<Vec<f64>>,
-    pub(crate) sigma_width: usize,
+    pub sigma: Arc<Vec<f64>>,
+    /// Columns of `T` that have a `Σ`.
+    pub sigma_width: usize,
 }
 
 /// What must be left of a column, relative to its length, for it to count as something new.
@@ -47,7 +52,7 @@ const NEW_TOL: f64 = 1e-6;
 
 impl Projection {
     /// That of observations without a base model.
-    pub(crate) fn of_nothing(observations: Vec<f64>) -> Self {
+    pub fn of_nothing(observations: Vec<f64>) -> Self {
         let rows = observations.len();
         Self {
             degrees_of_freedom: rows as f64,
@@ -67,7 +72,7 @@ impl Projection {
     }
 
     /// That of an adjusted network.
-    pub(crate) fn of_network(whitened: &Whitened) -> Self {
+    pub fn of_network(whitened: &Whitened) -> Self {
         Self {
             sigma: Arc::new(whitened.reduced_inverse.clone()),
             sigma_width: whitened.shared_width,
@@ -83,13 +88,13 @@ impl Projection {
     }
 
     /// That of whitened observations `y` and the columns of a base model.
-    pub(crate) fn dense(observations: Vec<f64>, base: &[Vec<f64>]) -> Self {
+    pub fn dense(observations: Vec<f64>, base: &[Vec<f64>]) -> Self {
         Self::of_nothing(observations).extended(base)
     }
 
     /// That of several systems below each other, of each its first `rows` in units of `scale`; the rest of its rows are
     /// observations without a base model (dense ones without groups).
-    pub(crate) fn stacked<'p>(parts: impl Iterator<Item = (&'p Self, usize, f64)> + Clone) -> Self {
+    pub fn stacked<'p>(parts: impl Iterator<Item = (&'p Self, usize, f64)> + Clone) -> Self {
         let widths = parts.clone().map(|(part, ..)| part.shared_width);
         let mut stack = Self {
             own_width: widths.max().unwrap_or(0),
@@ -120,7 +125,7 @@ impl Projection {
     }
 
     /// The same of other whitened residuals.
-    pub(crate) fn with_residuals(&self, y: &[f64]) -> Self {
+    pub fn with_residuals(&self, y: &[f64]) -> Self {
         let mut residuals = y.to_vec();
         self.project(&mut residuals);
         Self {
@@ -131,7 +136,7 @@ impl Projection {
     }
 
     /// The same where each observation has noise of so much more variance than its residuals show.
-    pub(crate) fn with_hidden(self, variance: f64) -> Self {
+    pub fn with_hidden(self, variance: f64) -> Self {
         Self {
             squares: self.squares + variance * self.degrees_of_freedom,
             ..self
@@ -139,17 +144,17 @@ impl Projection {
     }
 
     /// Number of observations.
-    pub(crate) fn rows(&self) -> usize {
+    pub fn rows(&self) -> usize {
         self.residuals.len()
     }
 
     /// `yᵀ M y`.
-    pub(crate) fn squares(&self) -> f64 {
+    pub fn squares(&self) -> f64 {
         self.squares.max(0.0)
     }
 
     /// The projection after columns have joined the base model.
-    pub(crate) fn extended(&self, columns: &[Vec<f64>]) -> Self {
+    pub fn extended(&self, columns: &[Vec<f64>]) -> Self {
         let mut basis: Vec<Vec<f64>> = Vec::new();
         let (mut residuals, mut squares) = (self.residuals.clone(), self.squares);
         for column in columns {
@@ -197,23 +202,23 @@ impl Projection {
     }
 
     /// Row of `O`.
-    pub(crate) fn own_row(&self, row: usize) -> &[f64] {
+    pub fn own_row(&self, row: usize) -> &[f64] {
         &self.own[row * self.own_width..(row + 1) * self.own_width]
     }
 
     /// Row of `T`.
-    pub(crate) fn shared_row(&self, row: usize) -> &[f64] {
+    pub fn shared_row(&self, row: usize) -> &[f64] {
         &self.shared[row * self.shared_width..(row + 1) * self.shared_width]
     }
 
     /// Row of `Σ` up to where it is the identity, of the first columns of `T`.
-    pub(crate) fn sigma_row(&self, row: usize) -> &[f64] {
+    pub fn sigma_row(&self, row: usize) -> &[f64] {
         &self.sigma[row * self.sigma_width..(row + 1) * self.sigma_width]
     }
 }
 
 /// `X c`, of columns with `rows` rows.
-pub(crate) fn combined(rows: usize, columns: &[Vec<f64>], coefficients: &[f64]) -> Vec<f64> {
+pub fn combined(rows: usize, columns: &[Vec<f64>], coefficients: &[f64]) -> Vec<f64> {
     let mut sum = vec![0.0; rows];
     for (column, coefficient) in columns.iter().zip(coefficients) {
         add(&mut sum, column, *coefficient);
@@ -223,14 +228,14 @@ pub(crate) fn combined(rows: usize, columns: &[Vec<f64>], coefficients: &[f64]) 
 
 /// `sum += factor · x`.
 #[inline(always)]
-pub(crate) fn add(sum: &mut [f64], x: &[f64], factor: f64) {
+pub fn add(sum: &mut [f64], x: &[f64], factor: f64) {
     for (s, x) in sum.iter_mut().zip(x) {
         *s += factor * x;
     }
 }
 
 /// The length of each column beside all before it, `|r_kk|` of `QR`.
-pub(crate) fn lengths_beside_earlier(columns: &[Vec<f64>]) -> Vec<f64> {
+pub fn lengths_beside_earlier(columns: &[Vec<f64>]) -> Vec<f64> {
     let rows = columns.first().map_or(0, Vec::len);
     let matrix = DMatrix::from_fn(rows, columns.len(), |i, k| columns[k][i]);
     matrix.qr().r().diagonal().iter().map(|x| x.abs()).collect()

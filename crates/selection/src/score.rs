@@ -2,37 +2,37 @@
 
 use rayon::prelude::*;
 
-use crate::selection::scan::Tried;
-use crate::selection::{Projection, Scan, ln_f_test};
+use crate::scan::Tried;
+use crate::{Projection, Scan, ln_f_test};
 
 /// The best of a hypothesis, and its judgement.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Score {
+pub struct Score {
     /// Which scan.
-    pub(crate) scan: usize,
+    pub scan: usize,
     /// Its best shape.
-    pub(crate) shape: f64,
+    pub shape: f64,
     /// Standard deviation of the shape over its marginal likelihood, of an instant with a uniform density in each gap.
-    pub(crate) u_shape: f64,
+    pub u_shape: f64,
     /// Drop of the sum of squares there, `T`.
-    pub(crate) statistic: f64,
+    pub statistic: f64,
     /// Directions of the parameters that the data see.
-    pub(crate) rank: usize,
+    pub rank: usize,
     /// Logarithm of the p-value of the best shape that is tested as if this hypothesis and shape were the only ones.
-    pub(crate) ln_p: f64,
+    pub ln_p: f64,
     /// BIC against the base model, negative if better: `n ln(1 - T/S) + k ln n`, shape counted.
-    pub(crate) bic: f64,
+    pub bic: f64,
     /// Twice the logarithm of the marginal likelihood ratio against the base model, with the same prior
     /// for every effect: shared among its subjects and their shapes.
-    pub(crate) evidence: f64,
+    pub evidence: f64,
 }
 
 /// Evidence that differs by less is rounding.
-pub(crate) const EQUAL: f64 = 1e-3;
+pub const EQUAL: f64 = 1e-3;
 
 /// Those with the most evidence first, and those with the same evidence in the order in which they are: rounding does not decide
 /// what twins are called.
-pub(crate) fn by_evidence<T>(all: Vec<T>, evidence: impl Fn(&T) -> f64) -> Vec<T> {
+pub fn by_evidence<T>(all: Vec<T>, evidence: impl Fn(&T) -> f64) -> Vec<T> {
     let mut all: Vec<(usize, T)> = all.into_iter().enumerate().collect();
     all.sort_by(|a, b| evidence(&b.1).total_cmp(&evidence(&a.1)));
     let mut rest = &mut all[..];
@@ -49,7 +49,7 @@ pub(crate) fn by_evidence<T>(all: Vec<T>, evidence: impl Fn(&T) -> f64) -> Vec<T
 
 /// Scores of all scans by their evidence ([`by_evidence`]); those alike in the order of the scans, so the layers
 /// instrument, set-up, machine.
-pub(crate) fn rank(projection: &Projection, scans: &[Box<dyn Scan>]) -> Vec<Score> {
+pub fn rank(projection: &Projection, scans: &[Box<dyn Scan>]) -> Vec<Score> {
     let numbered = scans.par_iter().enumerate();
     let scored = numbered.filter_map(|(number, scan)| scored(projection, number, scan.as_ref()));
     by_evidence(scored.collect(), |score| score.evidence)
@@ -112,7 +112,7 @@ const NEGLIGIBLE: f64 = 40.0;
 type Best = (f64, f64, usize);
 
 /// The shape whose statistic is the least likely from noise.
-pub(crate) fn best_shape(projection: &Projection, scan: &dyn Scan) -> Option<Best> {
+pub fn best_shape(projection: &Projection, scan: &dyn Scan) -> Option<Best> {
     let [best, _] = best_shapes(projection, scan);
     best
 }
@@ -150,7 +150,7 @@ struct OfShape {
 }
 
 /// `2 ln` of the mean marginal likelihood over all `shapes`; those that are not listed have none.
-pub(crate) fn mean_evidence(listed: &[f64], shapes: usize) -> f64 {
+pub fn mean_evidence(listed: &[f64], shapes: usize) -> f64 {
     let top = listed.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let likelihoods = listed.iter().map(|evidence| (0.5 * (evidence - top)).exp());
     let total: f64 = likelihoods.sum();

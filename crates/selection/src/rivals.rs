@@ -4,28 +4,28 @@ use std::ops::Range;
 
 use trueaxis_leastsquares::dot;
 
-use crate::selection::gram_matrix::gram;
-use crate::selection::projection::combined;
-use crate::selection::{Projection, Score};
+use crate::gram_matrix::gram;
+use crate::projection::combined;
+use crate::{Projection, Score};
 
 /// A hypothesis fitted at one shape.
 #[derive(Debug, Clone)]
-pub(crate) struct Fit {
+pub struct Fit {
     /// Its parameters.
-    pub(crate) estimates: Vec<f64>,
+    pub estimates: Vec<f64>,
     /// Their covariance for unit variance, rows one after the other.
-    pub(crate) covariance: Vec<f64>,
+    pub covariance: Vec<f64>,
     /// Whether the data see all of each parameter.
-    pub(crate) seen: Vec<bool>,
+    pub seen: Vec<bool>,
     /// `X θ`.
-    pub(crate) effect: Vec<f64>,
+    pub effect: Vec<f64>,
     /// `M X θ`: what it explains of the residuals.
-    pub(crate) explained: Vec<f64>,
+    pub explained: Vec<f64>,
 }
 
 impl Fit {
     /// Fits whitened columns to the residuals of a projection.
-    pub(crate) fn new(projection: &Projection, columns: &[Vec<f64>]) -> Self {
+    pub fn new(projection: &Projection, columns: &[Vec<f64>]) -> Self {
         let gram = gram(projection, columns);
         let s: Vec<f64> = columns
             .iter()
@@ -45,12 +45,12 @@ impl Fit {
     }
 
     /// The drop of the sum of squares.
-    pub(crate) fn gained(&self) -> f64 {
+    pub fn gained(&self) -> f64 {
         dot(&self.effect, &self.explained)
     }
 
     /// Some of its parameters.
-    pub(crate) fn part(&self, own: Range<usize>) -> Self {
+    pub fn part(&self, own: Range<usize>) -> Self {
         let width = self.estimates.len();
         let pairs = own.clone().flat_map(|i| own.clone().map(move |k| (i, k)));
         Self {
@@ -65,7 +65,7 @@ impl Fit {
     /// Whether the data allow values in their plausible ranges, three standard uncertainties considered; of a value that is more than two
     /// of them no more than half the range, or one that lies far outside would stand for its effect because it is poorly known.
     /// `variance` is that of the observations.
-    pub(crate) fn is_possible(&self, plausible: &[Option<[f64; 2]>], variance: f64) -> bool {
+    pub fn is_possible(&self, plausible: &[Option<[f64; 2]>], variance: f64) -> bool {
         let count = plausible.len();
         plausible.iter().enumerate().all(|(k, range)| {
             let (value, u) = (
@@ -84,7 +84,7 @@ impl Fit {
 }
 
 /// Cosine between what two hypotheses explain.
-pub(crate) fn cosine(a: &Fit, b: &Fit) -> f64 {
+pub fn cosine(a: &Fit, b: &Fit) -> f64 {
     let lengths = a.gained() * b.gained();
     if lengths > 0.0 {
         dot(&a.effect, &b.explained) / lengths.sqrt()
@@ -94,15 +94,15 @@ pub(crate) fn cosine(a: &Fit, b: &Fit) -> f64 {
 }
 
 /// `2 ln` of the odds below which two hypotheses are rivals: 20 to 1.
-pub(crate) const DECISIVE: f64 = 6.0;
+pub const DECISIVE: f64 = 6.0;
 
 /// Explanations more alike than this are one explanation under two names.
-pub(crate) const ALIKE: f64 = 0.95;
+pub const ALIKE: f64 = 0.95;
 
 /// Whether `rival` cannot be told from the leader: by evidence or BIC within 6, or because both explain
 /// the same. An explanation with more free directions is always at least as alike; there the evidence
 /// alone decides, which knows what the coincidence costs.
-pub(crate) fn is_rival(leader: &Score, rival: &Score, cosine: f64) -> bool {
+pub fn is_rival(leader: &Score, rival: &Score, cosine: f64) -> bool {
     leader.evidence - rival.evidence < DECISIVE
         || rival.bic - leader.bic < DECISIVE
         || (cosine > ALIKE && rival.rank <= leader.rank)

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use trueaxis_leastsquares::{dot, in_widest_registers};
 
 use super::{Projection, add};
-use crate::selection::gram_matrix::{SEVERAL, add_products, concerned};
+use crate::gram_matrix::{SEVERAL, add_products, concerned};
 
 /// Columns that are taken of together: rows of `O` and `T` are read once for all of them, some of them at a time, so that
 /// they stay near the processor.
@@ -19,15 +19,12 @@ const ABREAST: usize = 16;
 
 impl Projection {
     /// `x <- M x`.
-    pub(crate) fn project(&self, x: &mut [f64]) {
+    pub fn project(&self, x: &mut [f64]) {
         self.project_all(&mut [x]);
     }
 
     /// The same of several, which read `O` and `T` together.
-    pub(in crate::selection) fn project_all(
-        &self,
-        columns: &mut [impl AsRef<[f64]> + AsMut<[f64]>],
-    ) {
+    pub(crate) fn project_all(&self, columns: &mut [impl AsRef<[f64]> + AsMut<[f64]>]) {
         let taken = self.taken_of_all(columns.iter().map(AsRef::as_ref));
         in_widest_registers(
             #[inline(always)]
@@ -44,7 +41,7 @@ impl Projection {
     }
 
     /// What the base model takes of each of some whitened columns.
-    pub(crate) fn taken_of_all<'c>(&self, columns: impl IntoIterator<Item = &'c [f64]>) -> Taken {
+    pub fn taken_of_all<'c>(&self, columns: impl IntoIterator<Item = &'c [f64]>) -> Taken {
         let columns: Vec<&[f64]> = columns.into_iter().collect();
         let (own_width, width) = (self.groups * self.own_width, self.shared_width);
         let mut own = vec![0.0; columns.len() * own_width];
@@ -149,7 +146,7 @@ fn parts_mut(mut rest: &mut [f64], length: usize) -> impl Iterator<Item = &mut [
 }
 
 /// `Oᵀx` of each group, `Tᵀx` and `Σ Tᵀx` of columns, one after the other.
-pub(crate) struct Taken {
+pub struct Taken {
     own: Vec<f64>,
     own_width: usize,
     shared: Vec<f64>,
@@ -159,7 +156,7 @@ pub(crate) struct Taken {
 
 impl Taken {
     /// `Oᵀx` of each group.
-    pub(in crate::selection) fn own(&self, k: usize) -> &[f64] {
+    pub(crate) fn own(&self, k: usize) -> &[f64] {
         &self.own[k * self.own_width..(k + 1) * self.own_width]
     }
 
@@ -169,7 +166,7 @@ impl Taken {
     }
 
     /// `Σ Tᵀx`.
-    pub(in crate::selection) fn through(&self, k: usize) -> &[f64] {
+    pub(crate) fn through(&self, k: usize) -> &[f64] {
         &self.through[k * self.width..(k + 1) * self.width]
     }
 
@@ -181,12 +178,7 @@ impl Taken {
     }
 
     /// Adds `xᵀ (I - M) y` of each of some columns `x` with each `y` up to the last of them, which are counted from a first one.
-    pub(in crate::selection) fn add_products(
-        &self,
-        sum: &mut [f64],
-        x: Range<usize>,
-        first: usize,
-    ) {
+    pub(crate) fn add_products(&self, sum: &mut [f64], x: Range<usize>, first: usize) {
         let (x, y) = (first + x.start..first + x.end, first..first + x.end);
         let of_groups = |all: Range<usize>| -> Vec<&[f64]> { all.map(|k| self.own(k)).collect() };
         add_products(sum, (&of_groups(x.clone()), &of_groups(y.clone())));
@@ -196,7 +188,7 @@ impl Taken {
     }
 
     /// `xᵀ (I - M) y` of two of the columns.
-    pub(crate) fn product(&self, i: usize, j: usize) -> f64 {
+    pub fn product(&self, i: usize, j: usize) -> f64 {
         dot(self.own(i), self.own(j)) + dot(self.shared(i), self.through(j))
     }
 }

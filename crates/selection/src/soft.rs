@@ -14,9 +14,9 @@ use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 use rayon::prelude::*;
 use trueaxis_leastsquares::{dot, in_widest_registers};
 
-use crate::selection::gram_matrix::gram_matrix_of;
-use crate::selection::projection::{Taken, add};
-use crate::selection::{Gram, Projection};
+use crate::gram_matrix::gram_matrix_of;
+use crate::projection::{Taken, add};
+use crate::{Gram, Projection};
 
 /// A direction that the data know so much less than its prior does is left out of the covariance.
 const NOTHING: f64 = 0.02;
@@ -26,7 +26,7 @@ const ROWS_TOGETHER: usize = 512;
 
 impl Projection {
     /// The same with columns whose coefficients have the prior `N(0, I)`, and the logarithm of `|I + Xᵀ M X|`.
-    pub(crate) fn beside(&self, columns: &[Vec<f64>]) -> (Self, f64) {
+    pub fn beside(&self, columns: &[Vec<f64>]) -> (Self, f64) {
         let taken_of = self.taken_of_all(columns.iter().map(Vec::as_slice));
         let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
         let gram = Gram::new(&gram_matrix_of(columns, (&taken_of, 0)), &before);

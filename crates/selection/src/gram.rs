@@ -6,7 +6,7 @@ use trueaxis_leastsquares::{Lanes, in_widest_registers, lanes_only};
 
 /// The directions of the parameters that the data can see.
 #[derive(Debug, Clone)]
-pub(crate) struct Gram {
+pub struct Gram {
     /// Eigenvalues above the limit: squared strength of a unit of each direction.
     values: Vec<f64>,
     /// Their eigenvectors, one after the other.
@@ -23,7 +23,7 @@ const UNSEEN: f64 = 1e-6;
 
 impl Gram {
     /// From `G` (square, rows one after the other) and the squares `|X_k|²` before the projection.
-    pub(crate) fn new(gram: &[f64], before: &[f64]) -> Self {
+    pub fn new(gram: &[f64], before: &[f64]) -> Self {
         let n = before.len();
         let limit = limit(before);
         let mut new = Self {
@@ -46,15 +46,12 @@ impl Gram {
     }
 
     /// Number of directions that the data see.
-    pub(crate) fn rank(&self) -> usize {
+    pub fn rank(&self) -> usize {
         self.values.len()
     }
 
     /// The coordinates of `s` in standard deviations; their squares add to `T`.
-    pub(crate) fn standardised<'a>(
-        &'a self,
-        s: &'a [f64],
-    ) -> impl Iterator<Item = (f64, f64)> + 'a {
+    pub fn standardised<'a>(&'a self, s: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + 'a {
         let vectors = self.vectors.chunks_exact(self.parameters.max(1));
         self.values
             .iter()
@@ -66,22 +63,19 @@ impl Gram {
     }
 
     /// Eigenvalues, the coordinates of `s` in standard deviations, and eigenvectors.
-    pub(crate) fn directions<'a>(
-        &'a self,
-        s: &'a [f64],
-    ) -> impl Iterator<Item = (f64, f64, &'a [f64])> {
+    pub fn directions<'a>(&'a self, s: &'a [f64]) -> impl Iterator<Item = (f64, f64, &'a [f64])> {
         let vectors = self.vectors.chunks_exact(self.parameters.max(1));
         let seen = self.standardised(s).zip(vectors);
         seen.map(|((value, z), vector)| (value, z, vector))
     }
 
     /// `T = sᵀ G⁺ s`.
-    pub(crate) fn statistic(&self, s: &[f64]) -> f64 {
+    pub fn statistic(&self, s: &[f64]) -> f64 {
         self.standardised(s).map(|(_, z)| z * z).sum()
     }
 
     /// The same of several, side by side.
-    pub(crate) fn statistics(&self, s: &[Lanes]) -> Lanes {
+    pub fn statistics(&self, s: &[Lanes]) -> Lanes {
         let mut statistics = Lanes::ZERO;
         let vectors = self.vectors.chunks_exact(self.parameters.max(1));
         in_widest_registers(
@@ -102,7 +96,7 @@ impl Gram {
     }
 
     /// The parameters `G⁺ s`; what the data do not see stays zero.
-    pub(crate) fn estimates(&self, s: &[f64]) -> Vec<f64> {
+    pub fn estimates(&self, s: &[f64]) -> Vec<f64> {
         let mut estimates = vec![0.0; self.parameters];
         for (value, z, vector) in self.directions(s) {
             for (estimate, v) in estimates.iter_mut().zip(vector) {
@@ -114,7 +108,7 @@ impl Gram {
 
     /// Whether the data see each parameter: a direction that they do not see has no part in it. The
     /// estimate of a parameter that they see in part is only that part.
-    pub(crate) fn seen(&self) -> Vec<bool> {
+    pub fn seen(&self) -> Vec<bool> {
         let n = self.parameters;
         let shares = (0..n).map(|k| {
             let vectors = self.vectors.chunks_exact(n.max(1));
@@ -124,7 +118,7 @@ impl Gram {
     }
 
     /// `G⁺`: covariance of the estimates, rows one after the other.
-    pub(crate) fn covariance(&self) -> Vec<f64> {
+    pub fn covariance(&self) -> Vec<f64> {
         let n = self.parameters;
         let mut covariance = vec![0.0; n * n];
         for (value, vector) in self.values.iter().zip(self.vectors.chunks_exact(n.max(1))) {
@@ -139,18 +133,18 @@ impl Gram {
 
     /// Twice the logarithm of the marginal likelihood ratio for a prior `N(0, w² I)` of the parameters
     /// with the most likely width `w`: `max_w Σ z² w²g/(1 + w²g) - ln(1 + w²g)`.
-    pub(crate) fn evidence(&self, s: &[f64]) -> f64 {
+    pub fn evidence(&self, s: &[f64]) -> f64 {
         self.most_likely_width(s).1
     }
 
     /// The same from the coordinates ([`Self::standardised`]).
-    pub(crate) fn evidence_of(coordinates: &[(f64, f64)]) -> f64 {
+    pub fn evidence_of(coordinates: &[(f64, f64)]) -> f64 {
         best_width(coordinates, |gained, ln_price| gained - ln_price).1
     }
 
     /// The posterior mean of the parameters with that prior: what the data hardly see stays near zero,
     /// so that it predicts well where other data see it.
-    pub(crate) fn shrunk(&self, s: &[f64]) -> Vec<f64> {
+    pub fn shrunk(&self, s: &[f64]) -> Vec<f64> {
         let (variance, _) = self.most_likely_width(s);
         let mut estimates = vec![0.0; self.parameters];
         for (value, z, vector) in self.directions(s) {
@@ -183,12 +177,7 @@ fn limit(before: &[f64]) -> f64 {
 /// `2 ln` of the likelihood ratio `max_w -ν ln(1 - Σ z² x/(1 + x)/ν) - Σ ln(1 + x)`, `x = w² g`, where all squares have `ν` degrees of
 /// freedom and are as many. `G`, its columns' squares before the projection, and `s` as in [`Gram`], which needs eigenvectors and so
 /// takes longer.
-pub(crate) fn restricted_likelihood(
-    gram: &[f64],
-    before: &[f64],
-    s: &[f64],
-    dof: f64,
-) -> (f64, f64) {
+pub fn restricted_likelihood(gram: &[f64], before: &[f64], s: &[f64], dof: f64) -> (f64, f64) {
     let (n, limit) = (before.len(), limit(before));
     if limit <= 0.0 {
         return (0.0, 0.0);

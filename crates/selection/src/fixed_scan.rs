@@ -5,13 +5,13 @@ use std::ops::Range;
 use trueaxis_leastsquares::lane_products::{LaneMatrix, SharedMatrix, add_product};
 use trueaxis_leastsquares::{Lanes, dot};
 
-use crate::selection::gram_matrix::{concerned, gram_matrix_of};
-use crate::selection::projection::Taken;
-use crate::selection::scan::{OfOne, OfSeveral, Tried};
-use crate::selection::{Gram, Hypothesis, Projection, Scan};
+use crate::gram_matrix::{concerned, gram_matrix_of};
+use crate::projection::Taken;
+use crate::scan::{OfOne, OfSeveral, Tried};
+use crate::{Gram, Hypothesis, Projection, Scan};
 
 /// Columns for every shape.
-pub(crate) struct FixedScan {
+pub struct FixedScan {
     hypothesis: Hypothesis,
     shapes: Vec<FixedShape>,
     /// Those of one shape after the other, of each the rows that its shape concerns.
@@ -30,7 +30,7 @@ struct FixedShape {
 
 impl FixedScan {
     /// `columns(shape)` are the whitened columns. `None` if the data do not see any of them.
-    pub(crate) fn new(
+    pub fn new(
         hypothesis: Hypothesis,
         projection: &Projection,
         shapes: &[f64],
@@ -41,7 +41,7 @@ impl FixedScan {
     }
 
     /// The same of instants in the middles of gaps.
-    pub(crate) fn of_instants(
+    pub fn of_instants(
         hypothesis: Hypothesis,
         projection: &Projection,
         gaps_s: &[[f64; 2]],
@@ -77,7 +77,7 @@ impl FixedScan {
     }
 
     /// With one more shape, if the data see it.
-    pub(crate) fn add(&mut self, projection: &Projection, shape: f64, columns: &[Vec<f64>]) {
+    pub fn add(&mut self, projection: &Projection, shape: f64, columns: &[Vec<f64>]) {
         let taken = projection.taken_of_all(columns.iter().map(Vec::as_slice));
         let tried = Tried::new(shape);
         self.push(tried, columns, (&taken, 0));
@@ -109,7 +109,7 @@ impl FixedScan {
 }
 
 /// The instant that stands for a gap.
-pub(crate) fn middle([start, end]: &[f64; 2]) -> f64 {
+pub fn middle([start, end]: &[f64; 2]) -> f64 {
     0.5 * (start + end)
 }
 

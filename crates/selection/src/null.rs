@@ -22,11 +22,11 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use trueaxis_leastsquares::{LANES, Lanes, dot};
 
-use crate::selection::{Projection, Scan, ln_f_test};
+use crate::{Projection, Scan, ln_f_test};
 
 /// The null distribution of the smallest p-value.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Null {
+pub struct Null {
     /// `m`.
     tests: f64,
     /// `b`.
@@ -51,13 +51,13 @@ const SEED: u64 = 0x7472_7565_6178_6973;
 
 impl Null {
     /// From white noise through the projection and the scans; the same every time.
-    pub(crate) fn simulated(projection: &Projection, scans: &[Box<dyn Scan>]) -> Self {
+    pub fn simulated(projection: &Projection, scans: &[Box<dyn Scan>]) -> Self {
         Self::simulated_in(projection, scans, |noise| noise)
     }
 
     /// The same where the rows are along directions that rounding can turn or exchange, as eigenvectors: `along` takes noise
     /// of what does not turn to them.
-    pub(crate) fn simulated_in(
+    pub fn simulated_in(
         projection: &Projection,
         scans: &[Box<dyn Scan>],
         along: impl Fn(Vec<f64>) -> Vec<f64> + Sync,
@@ -107,7 +107,7 @@ impl Null {
     }
 
     /// That of independent tests.
-    pub(crate) fn independent(tests: f64) -> Self {
+    pub fn independent(tests: f64) -> Self {
         Self {
             tests,
             growth: 0.0,
@@ -116,13 +116,13 @@ impl Null {
     }
 
     /// Effective number of independent tests of which the smallest p-value is this.
-    pub(crate) fn tests_at(&self, ln_p: f64) -> f64 {
+    pub fn tests_at(&self, ln_p: f64) -> f64 {
         let tests = self.tests * grown(ln_p, self.growth);
         tests.min(self.most).max(1.0)
     }
 
     /// Probability that noise alone gives a p-value as small somewhere.
-    pub(crate) fn family_wise(&self, ln_p: f64) -> f64 {
+    pub fn family_wise(&self, ln_p: f64) -> f64 {
         let tests = self.tests_at(ln_p);
         // 1 - (1 - p)^m without losing small p.
         let some = -(tests * (-ln_p.exp()).ln_1p()).exp_m1();

@@ -9,11 +9,11 @@ use nalgebra::{DMatrixView, DMatrixViewMut};
 use rayon::prelude::*;
 use trueaxis_leastsquares::dot;
 
-use crate::selection::projection::Taken;
-use crate::selection::{Gram, Projection};
+use crate::projection::Taken;
+use crate::{Gram, Projection};
 
 /// Columns from which on products of matrices are faster: they are made in blocks of eight by eight.
-pub(in crate::selection) const SEVERAL: usize = 8;
+pub(crate) const SEVERAL: usize = 8;
 
 /// Rows of `G` that are made together.
 const BLOCK: usize = 32;
@@ -22,13 +22,13 @@ const BLOCK: usize = 32;
 const ROWS: usize = 512;
 
 /// `Xᵀ M X` of whitened columns in its eigenvectors.
-pub(crate) fn gram(projection: &Projection, columns: &[Vec<f64>]) -> Gram {
+pub fn gram(projection: &Projection, columns: &[Vec<f64>]) -> Gram {
     let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
     Gram::new(&gram_matrix(projection, columns), &before)
 }
 
 /// `Xᵀ M X` of whitened columns, row after row.
-pub(crate) fn gram_matrix(projection: &Projection, columns: &[Vec<f64>]) -> Vec<f64> {
+pub fn gram_matrix(projection: &Projection, columns: &[Vec<f64>]) -> Vec<f64> {
     let taken = projection.taken_of_all(columns.iter().map(Vec::as_slice));
     gram_matrix_of(columns, (&taken, 0))
 }
@@ -58,7 +58,7 @@ pub(crate) fn gram_matrix_of(columns: &[Vec<f64>], taken: (&Taken, usize)) -> Ve
 }
 
 /// From the first to the last row with anything but zeros.
-pub(in crate::selection) fn concerned(columns: &[impl AsRef<[f64]>]) -> Range<usize> {
+pub(crate) fn concerned(columns: &[impl AsRef<[f64]>]) -> Range<usize> {
     let columns = columns.iter().map(AsRef::as_ref);
     let first = |column: &[f64]| column.iter().position(|&x| x != 0.0);
     let last = |column: &[f64]| column.iter().rposition(|&x| x != 0.0);
@@ -119,7 +119,7 @@ fn together(
 
 /// Adds `AᵀB`, column after column, of columns of the same length. `A` is turned by hand: where rows do not lie next to each other,
 /// small products of `nalgebra` (0.35) reach beyond them.
-pub(in crate::selection) fn add_products(sum: &mut [f64], (a, b): (&[&[f64]], &[&[f64]])) {
+pub(crate) fn add_products(sum: &mut [f64], (a, b): (&[&[f64]], &[&[f64]])) {
     let length = b.first().map_or(0, |column| column.len());
     let (mut rows_of_a, mut columns_of_b) = (vec![0.0; ROWS * a.len()], Vec::new());
     let mut sum = DMatrixViewMut::from_slice(sum, a.len(), b.len());
