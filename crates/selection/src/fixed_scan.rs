@@ -128,22 +128,28 @@ impl Scan for FixedScan {
         }
     }
 
-    fn for_each_of(&self, residuals: &[Lanes], f: &mut OfSeveral<'_>) {
+    fn tests(&self) -> usize {
+        self.shapes.len()
+    }
+
+    fn for_each_of(&self, residuals: LaneMatrix<'_>, f: &mut OfSeveral<'_>) {
         let concern_the_same = |a: &FixedShape, b: &FixedShape| a.concerned == b.concerned;
         for alike in self.shapes.chunk_by(concern_the_same) {
             let (Some(first), Some(last)) = (alike.first(), alike.last()) else {
                 continue;
             };
-            let residuals = &residuals[first.concerned.clone()];
+            let residuals = residuals.part(first.concerned.clone());
             let columns = &self.columns[first.columns.start..last.columns.end];
-            let (rows, count) = (residuals.len(), columns.len() / residuals.len());
-            let mut s = vec![Lanes::ZERO; count];
+            let (rows, batches) = (residuals.rows(), residuals.columns());
+            let count = columns.len() / rows;
+            let mut s = vec![Lanes::ZERO; count * batches];
             let columns = SharedMatrix::by_rows(columns, [count, rows]);
-            add_product(&mut s, columns, LaneMatrix::by_rows(residuals, [rows, 1]));
+            add_product(&mut s, columns, residuals);
             let mut rest = &s[..];
             for shape in alike {
-                let (own, others) = rest.split_at(shape.columns.len() / rows);
-                f(&shape.gram, own);
+                let parameters = shape.columns.len() / rows;
+                let (own, others) = rest.split_at(parameters * batches);
+                f(&shape.gram, LaneMatrix::by_rows(own, [parameters, batches]));
                 rest = others;
             }
         }

@@ -2,6 +2,7 @@
 
 use nalgebra::DMatrix;
 use trueaxis_leastsquares::dense::{eigenvalues_along, symmetric_eigen};
+use trueaxis_leastsquares::lane_products::LaneMatrix;
 use trueaxis_leastsquares::{Lanes, in_widest_registers, lanes_only};
 
 /// The directions of the parameters that the data can see.
@@ -74,8 +75,8 @@ impl Gram {
         self.standardised(s).map(|(_, z)| z * z).sum()
     }
 
-    /// The same of several, side by side.
-    pub fn statistics(&self, s: &[Lanes]) -> Lanes {
+    /// The same of several, side by side: those in a column of `s`, which has a row for each parameter.
+    pub fn statistics(&self, s: LaneMatrix<'_>, column: usize) -> Lanes {
         let mut statistics = Lanes::ZERO;
         let vectors = self.vectors.chunks_exact(self.parameters.max(1));
         in_widest_registers(
@@ -83,9 +84,9 @@ impl Gram {
             || {
                 for (&value, vector) in self.values.iter().zip(vectors) {
                     let mut along = Lanes::ZERO;
-                    for (v, s) in vector.iter().zip(s) {
+                    for (row, v) in vector.iter().enumerate() {
                         lanes_only();
-                        along = Lanes::splat(*v).mul_add(*s, along);
+                        along = Lanes::splat(*v).mul_add(s.at(row, column), along);
                     }
                     let z = along * Lanes::splat(value.sqrt().recip());
                     statistics += z * z;

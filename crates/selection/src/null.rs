@@ -20,6 +20,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
+use trueaxis_leastsquares::lane_products::LaneMatrix;
 use trueaxis_leastsquares::{LANES, Lanes, dot};
 
 use crate::{Projection, Scan, ln_f_test};
@@ -37,6 +38,10 @@ pub struct Null {
 
 /// Draws of noise: the level of 1 % is then known to some 20 %.
 const DRAWS: u64 = 200;
+
+/// Batches of draws for which the columns of the scans are read together.
+const TOGETHER: usize = 4;
+const TOGETHER_DRAWS: u64 = (TOGETHER * LANES) as u64;
 
 /// Beyond this growth, `m(x) x` would not increase with x.
 const MOST_GROWTH: f64 = 2.0;
@@ -62,8 +67,8 @@ impl Null {
         scans: &[Box<dyn Scan>],
         along: impl Fn(Vec<f64>) -> Vec<f64> + Sync,
     ) -> Self {
-        let smallest = |batch: u64| {
-            let draws = batch * LANES as u64..DRAWS.min((batch + 1) * LANES as u64);
+        let smallest = |first: u64| {
+            let draws = first * TOGETHER_DRAWS..DRAWS.min((first + 1) * TOGETHER_DRAWS);
             let noise = |draw: u64| -> Vec<f64> {
                 let mut generator = ChaCha8Rng::seed_from_u64(SEED);
                 generator.set_stream(draw);
@@ -71,15 +76,15 @@ impl Null {
                 along(white.take(projection.rows()).collect())
             };
             let mut noise: Vec<Vec<f64>> = draws.map(noise).collect();
-            projection.project_all(&mut noise);
+            for batch in noise.chunks_mut(LANES) {
+                projection.project_all(batch);
+            }
             smallest_ln_p(&noise, projection.degrees_of_freedom, scans)
         };
         // Collected in order, so that the sum does not depend on the number of threads.
-        let batches = (0..DRAWS.div_ceil(LANES as u64)).into_par_iter();
-        let smallest: Vec<(Vec<f64>, usize)> = batches.map(smallest).collect();
-        let tests = smallest.first().map_or(1, |(_, tests)| *tests);
-        let smallest: Vec<f64> = smallest.into_iter().flat_map(|(own, _)| own).collect();
-        Self::most_likely(&smallest, tests)
+        let batches = (0..DRAWS.div_ceil(TOGETHER_DRAWS)).into_par_iter();
+        let smallest: Vec<Vec<f64>> = batches.map(smallest).collect();
+        Self::most_likely(&smallest.concat(), tests_of(scans))
     }
 
     /// The most likely one, given the logarithm of the smallest p-value of each draw and the number of tests.
@@ -121,6 +126,18 @@ impl Null {
         tests.min(self.most).max(1.0)
     }
 
+    /// Whether noise alone gives a p-value as small somewhere with a probability below `level`, if the number of tests
+    /// decides it: as many independent tests are the most that [`Null::simulated`] can find, one the fewest.
+    pub fn decided(scans: &[Box<dyn Scan>], ln_p: f64, level: f64) -> Option<bool> {
+        let at_most = Self::independent(tests_of(scans) as f64).family_wise(ln_p);
+        let at_least = Self::independent(1.0).family_wise(ln_p);
+        match (at_most < level, at_least >= level) {
+            (true, _) => Some(true),
+            (_, true) => Some(false),
+            _ => None,
+        }
+    }
+
     /// Probability that noise alone gives a p-value as small somewhere.
     pub fn family_wise(&self, ln_p: f64) -> f64 {
         let tests = self.tests_at(ln_p);
@@ -147,41 +164,56 @@ fn ln_slope(ln_p: f64, growth: f64) -> f64 {
     growth * from.ln() + of_one.max(f64::MIN_POSITIVE).ln()
 }
 
-/// For each of at most [`LANES`] residuals the logarithm of the smallest p-value of all hypotheses and shapes; and how many these are.
+/// Number of tests of all hypotheses and shapes.
+fn tests_of(scans: &[Box<dyn Scan>]) -> usize {
+    scans.iter().map(|scan| scan.tests()).sum()
+}
+
+/// For each of some residuals the logarithm of the smallest p-value of all hypotheses and shapes.
 fn smallest_ln_p(
     residuals: &[Vec<f64>],
     degrees_of_freedom: f64,
     scans: &[Box<dyn Scan>],
-) -> (Vec<f64>, usize) {
-    let mut side_by_side = vec![Lanes::ZERO; residuals.first().map_or(0, Vec::len)];
-    for (lane, residuals) in residuals.iter().enumerate() {
-        for (row, e) in side_by_side.iter_mut().zip(residuals) {
-            row.0[lane] = *e;
+) -> Vec<f64> {
+    let (rows, batches) = (
+        residuals.first().map_or(0, Vec::len),
+        residuals.len().div_ceil(LANES),
+    );
+    let mut side_by_side = vec![Lanes::ZERO; rows * batches];
+    for (draw, residuals) in residuals.iter().enumerate() {
+        let lane = side_by_side.iter_mut().skip(draw / LANES).step_by(batches);
+        for (row, e) in lane.zip(residuals) {
+            row.0[draw % LANES] = *e;
         }
     }
-    let mut largest: Vec<Lanes> = Vec::new();
-    let mut tests = 0;
+    let side_by_side = LaneMatrix::by_rows(&side_by_side, [rows, batches]);
+    // Of each rank, in each batch.
+    let mut largest: Vec<Vec<Lanes>> = Vec::new();
     for scan in scans {
-        scan.for_each_of(&side_by_side, &mut |gram, s| {
-            tests += 1;
+        scan.for_each_of(side_by_side, &mut |gram, s| {
             let rank = gram.rank();
             if largest.len() <= rank {
-                largest.resize(rank + 1, Lanes::ZERO);
+                largest.resize(rank + 1, vec![Lanes::ZERO; batches]);
             }
-            let own = gram.statistics(s);
-            for (largest, own) in largest[rank].0.iter_mut().zip(own.0) {
-                *largest = largest.max(own);
+            for (batch, largest) in largest[rank].iter_mut().enumerate() {
+                let own = gram.statistics(s, batch);
+                for (largest, own) in largest.0.iter_mut().zip(own.0) {
+                    *largest = largest.max(own);
+                }
             }
         });
     }
-    let smallest = |(lane, residuals): (usize, &Vec<f64>)| {
+    let smallest = |(draw, residuals): (usize, &Vec<f64>)| {
         let squares = dot(residuals, residuals);
         let of_ranks = largest.iter().enumerate();
         of_ranks
-            .map(|(rank, drops)| ln_f_test(drops.0[lane], squares, rank, degrees_of_freedom))
+            .map(|(rank, drops)| {
+                let drop = drops[draw / LANES].0[draw % LANES];
+                ln_f_test(drop, squares, rank, degrees_of_freedom)
+            })
             .fold(0.0, f64::min)
     };
-    (residuals.iter().enumerate().map(smallest).collect(), tests)
+    residuals.iter().enumerate().map(smallest).collect()
 }
 
 #[cfg(test)]

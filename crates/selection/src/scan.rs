@@ -1,7 +1,7 @@
 //! A hypothesis with all its shapes.
 
 use trueaxis_effects::{Effect, ResolvedEffect, Shape, Subject};
-use trueaxis_leastsquares::Lanes;
+use trueaxis_leastsquares::lane_products::LaneMatrix;
 
 use crate::Gram;
 
@@ -69,8 +69,8 @@ impl Tried {
 /// What is called with a shape, its Gram matrix and `s = Xᵀ e`.
 pub type OfOne<'a> = dyn FnMut(Tried, &Gram, &[f64]) + 'a;
 
-/// What is called with a Gram matrix and `s = Xᵀ e` of several residuals, side by side.
-pub type OfSeveral<'a> = dyn FnMut(&Gram, &[Lanes]) + 'a;
+/// What is called with a Gram matrix and `s = Xᵀ e` of several residuals: a row for each parameter.
+pub type OfSeveral<'a> = dyn FnMut(&Gram, LaneMatrix<'_>) + 'a;
 
 /// A hypothesis, ready to be compared with residuals.
 pub trait Scan: Send + Sync {
@@ -80,8 +80,11 @@ pub trait Scan: Send + Sync {
     /// Calls `f` for each shape with its Gram matrix and `s = Xᵀ e`.
     fn for_each(&self, residuals: &[f64], f: &mut OfOne<'_>);
 
-    /// The same of several residuals at once, for those that are tested.
-    fn for_each_of(&self, residuals: &[Lanes], f: &mut OfSeveral<'_>);
+    /// Number of shapes that are tested.
+    fn tests(&self) -> usize;
+
+    /// The same of several residuals at once, the columns of a matrix, for those that are tested.
+    fn for_each_of(&self, residuals: LaneMatrix<'_>, f: &mut OfSeveral<'_>);
 
     /// The columns of one shape, whitened, not projected.
     fn columns(&self, shape: f64) -> Vec<Vec<f64>>;

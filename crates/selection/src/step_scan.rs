@@ -14,6 +14,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use trueaxis_leastsquares::lane_products::LaneMatrix;
 use trueaxis_leastsquares::{Lanes, dot, in_widest_registers, lanes_only};
 
 use crate::scan::{OfOne, OfSeveral, Tried};
@@ -244,6 +245,14 @@ impl<'a> Concerned<'a> {
     }
 }
 
+impl StepScan {
+    /// The instants between visits. One within a visit is a few readings away from a tested one, which shows it nearly as
+    /// well; to test them all would take as much longer as there are more.
+    fn tested(&self) -> impl Iterator<Item = &Instant> {
+        self.instants.iter().filter(|instant| instant.cut.is_none())
+    }
+}
+
 impl Scan for StepScan {
     fn hypothesis(&self) -> &Hypothesis {
         &self.hypothesis
@@ -266,28 +275,34 @@ impl Scan for StepScan {
         }
     }
 
-    /// Those between visits. One within a visit is a few readings away from a tested one, which shows it nearly as well;
-    /// to test them all would take as much longer as there are more.
-    fn for_each_of(&self, residuals: &[Lanes], f: &mut OfSeveral<'_>) {
-        let n = self.parameters;
-        let mut s = vec![Lanes::ZERO; n];
-        let mut end = residuals.len();
-        for instant in self.instants.iter().filter(|instant| instant.cut.is_none()) {
+    fn tests(&self) -> usize {
+        self.tested().count()
+    }
+
+    fn for_each_of(&self, residuals: LaneMatrix<'_>, f: &mut OfSeveral<'_>) {
+        let (n, batches) = (self.parameters, residuals.columns());
+        let mut s = vec![Lanes::ZERO; n * batches];
+        let mut end = residuals.rows();
+        for instant in self.tested() {
             let after = instant.first_row..end;
             in_widest_registers(
                 #[inline(always)]
                 || {
                     let by_rows = &self.by_rows[&0][n * after.start..n * after.end];
-                    for (x, e) in by_rows.chunks_exact(n).zip(&residuals[after]) {
-                        for (s, x) in s.iter_mut().zip(x) {
-                            lanes_only();
-                            *s = Lanes::splat(*x).mul_add(*e, *s);
+                    for (x, row) in by_rows.chunks_exact(n).zip(after) {
+                        let residuals = residuals.row(row);
+                        for (s, x) in s.chunks_exact_mut(batches).zip(x) {
+                            let x = Lanes::splat(*x);
+                            for (s, e) in s.iter_mut().zip(residuals) {
+                                lanes_only();
+                                *s = x.mul_add(*e, *s);
+                            }
                         }
                     }
                 },
             );
             end = instant.first_row;
-            f(&instant.gram, &s);
+            f(&instant.gram, LaneMatrix::by_rows(&s, [n, batches]));
         }
     }
 

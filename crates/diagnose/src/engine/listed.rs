@@ -6,7 +6,7 @@
 
 use std::borrow::Cow;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use trueaxis_effects::{Level, Scene};
 
@@ -45,14 +45,13 @@ pub(crate) struct Beside {
     pub(crate) scans: Vec<Box<dyn Scan>>,
     /// Which candidate each scan is.
     pub(crate) numbers: Vec<usize>,
+    null: OnceLock<Null>,
 }
 
 /// A cause against the model with the others.
 pub(crate) struct Judged {
     pub(crate) cause: Chosen,
     pub(crate) score: Score,
-    /// Family-wise.
-    pub(crate) p_value: f64,
     /// Its fit.
     pub(crate) fit: Fit,
     pub(crate) beside: Beside,
@@ -130,6 +129,7 @@ impl<'a> Listed<'a> {
             impossible,
             scans,
             numbers,
+            null: OnceLock::new(),
         }
     }
 
@@ -201,7 +201,6 @@ impl<'a> Listed<'a> {
         Some(Judged {
             cause: causes[k],
             score,
-            p_value: beside.null().family_wise(score.ln_p),
             fit: Fit::new(&beside.model, &self.columns(&causes[k..=k])),
             beside,
         })
@@ -224,7 +223,7 @@ impl<'a> Listed<'a> {
         let parameters = with_uncertainties(scene, &candidate.hypothesis, linear, shape);
         let effect = candidate.resolved(&own.estimates, judged.cause.shape);
         Cause {
-            p_value: judged.p_value,
+            p_value: judged.beside.null().family_wise(judged.score.ln_p),
             delta_bic: judged.score.bic,
             ..Cause::of(level, effect, parameters, covariance)
         }
@@ -268,8 +267,15 @@ impl Beside {
         own.copied()
     }
 
-    pub(crate) fn null(&self) -> Null {
-        Null::simulated(&self.model, &self.scans)
+    /// Whether noise alone gives a p-value as small somewhere with a probability below `level`.
+    pub(crate) fn is_significant(&self, score: &Score, level: f64) -> bool {
+        Null::decided(&self.scans, score.ln_p, level)
+            .unwrap_or_else(|| self.null().family_wise(score.ln_p) < level)
+    }
+
+    fn null(&self) -> &Null {
+        self.null
+            .get_or_init(|| Null::simulated(&self.model, &self.scans))
     }
 }
 

@@ -20,8 +20,8 @@ pub(super) fn search(
         if !found.is_empty() && !is_left(&beside.model) {
             break;
         }
-        let (model, scores, null) = (&beside.model, &beside.scores, beside.null());
-        let best = scores.iter().find(|s| null.family_wise(s.ln_p) < level);
+        let (model, scores) = (&beside.model, &beside.scores);
+        let best = scores.iter().find(|s| beside.is_significant(s, level));
         let Some(best) = best else {
             break;
         };

@@ -141,10 +141,9 @@ const MOST_OF_ALL: usize = 5;
 fn whole<'a>(plain: &Problem<'a>, excluded: &[usize]) -> Vec<Model<'a>> {
     let listed = &plain.listed;
     let beside = listed.beside(&[]);
-    let null = beside.null();
     let is_first = |score: &&Score| {
         let candidate = listed.candidate(&beside, score);
-        candidate.plausible.len() == 1 && null.family_wise(score.ln_p) < plain.level
+        candidate.plausible.len() == 1 && beside.is_significant(score, plain.level)
     };
     let firsts = beside.scores.iter().filter(is_first).take(FIRST);
     let mut models: Vec<Model<'a>> = Vec::new();

@@ -136,7 +136,7 @@ pub(crate) fn drop_superfluous(listed: &Listed, causes: &mut Vec<Chosen>, level:
     while k < causes.len() {
         if listed
             .judge(causes, k)
-            .is_some_and(|judged| judged.p_value < level)
+            .is_some_and(|judged| judged.beside.is_significant(&judged.score, level))
         {
             k += 1;
         } else {
@@ -179,7 +179,9 @@ fn best(
         true => level.min(SECOND_OF_TIME),
         false => level,
     };
-    (beside.null().family_wise(leader.ln_p) < level).then(|| listed.chosen(&beside, leader))
+    beside
+        .is_significant(leader, level)
+        .then(|| listed.chosen(&beside, leader))
 }
 
 /// Coverage factor of the uncertainty of a time constant, which is resolved if it is longer.

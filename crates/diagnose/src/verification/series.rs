@@ -163,7 +163,7 @@ fn impossible(problem: &Problem<'_>) -> Option<Unexplained> {
         _ if own.is_of_time() => vec!["time"],
         _ => vec!["position"],
     };
-    let is_clear = beside.null().family_wise(best.ln_p) < problem.level;
+    let is_clear = beside.is_significant(best, problem.level);
     is_clear.then(|| Unexplained {
         level: Level::Verification,
         data: String::new(),
