@@ -33,6 +33,7 @@ mod diagnosis;
 mod disturbance;
 mod engine;
 mod error;
+mod extremes;
 mod fitted;
 mod json;
 mod lengths;

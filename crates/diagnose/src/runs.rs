@@ -60,12 +60,10 @@ pub(crate) fn diagnose_runs(
     }
     let on_lengths = EffectsOnLengths::new(campaign)
         .map_err(|error| Error::Calibrate(trueaxis_calibrate::Error::Poses(error)))?;
-    let judge = Judge {
-        noise_dof: noise_dof(&calibration),
-    };
+    let noise_dof = noise_dof(&calibration);
     Ok(Some(compared(
         scene,
-        &judge,
+        noise_dof,
         &replay,
         &comparisons,
         &on_lengths,
@@ -84,48 +82,33 @@ fn noise_dof(calibration: &Calibration) -> f64 {
     }
 }
 
-/// What judges a misfit of runs.
-struct Judge {
-    noise_dof: f64,
-}
-
-impl Judge {
-    /// Probability that runs which agree differ as much; the noise of the poses is known with its degrees of freedom.
-    fn p_value(&self, model: &Projection) -> f64 {
-        let (squares, rank) = (model.squares(), degrees_of_freedom(model));
-        if self.noise_dof > MANY {
-            return chi_squared_upper_tail(squares, rank as f64);
-        }
-        let all = self.noise_dof + rank as f64;
-        f_test(squares, squares + self.noise_dof, rank, all)
-    }
-
-    fn test(&self, model: &Projection) -> OmnibusTest {
-        OmnibusTest {
-            varies_with: "run",
-            detail: None,
-            columns: degrees_of_freedom(model),
-            p_value: self.p_value(model),
-        }
+/// What a model leaves of the runs, with the probability that runs which agree differ as much: the noise of the poses is known with
+/// `noise_dof` degrees of freedom.
+fn test(model: &Projection, noise_dof: f64) -> OmnibusTest {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a whole number"
+    )]
+    let columns = (model.degrees_of_freedom.round() as usize).max(1);
+    let (squares, all) = (model.squares(), noise_dof + columns as f64);
+    OmnibusTest {
+        varies_with: "run",
+        detail: None,
+        columns,
+        p_value: match noise_dof > MANY {
+            true => chi_squared_upper_tail(squares, columns as f64),
+            false => f_test(squares, squares + noise_dof, columns, all),
+        },
     }
 }
 
 /// As good as infinite: F is chi-squared to a part in a thousand.
 const MANY: f64 = 1e5;
 
-fn degrees_of_freedom(model: &Projection) -> usize {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a whole number"
-    )]
-    let columns = model.degrees_of_freedom.round() as usize;
-    columns.max(1)
-}
-
 fn compared(
     scene: &Scene,
-    judge: &Judge,
+    noise_dof: f64,
     replay: &Replay<'_>,
     comparisons: &[RunComparison],
     on_lengths: &EffectsOnLengths<'_>,
@@ -135,7 +118,8 @@ fn compared(
         candidates: candidates(scene, replay, comparisons, on_lengths).into(),
     };
     let base = &listed.base;
-    let is_left = |model: &Projection| judge.p_value(model) < MISFIT_LEVEL;
+    let test = |model: &Projection| test(model, noise_dof);
+    let is_left = |model: &Projection| test(model).p_value < MISFIT_LEVEL;
     let found = search(&listed, CAUSE_LEVEL, is_left);
     let mut after = listed.with(&found);
     let is_left = is_left(&after);
@@ -152,10 +136,11 @@ fn compared(
     let rms_um = |model: &Projection| {
         sigma_um * (model.squares() / model.degrees_of_freedom.max(1.0)).sqrt()
     };
-    let unexplained = is_left.then(|| unexplained(judge, &after, rms_um(&after), sigma_um, share));
+    let unexplained =
+        is_left.then(|| unexplained(test(&after).p_value, rms_um(&after), sigma_um, share));
     let parts = judged
         .iter()
-        .map(|j| Part::Free(listed.columns(&[j.cause])));
+        .map(|j| Part::Free(listed.columns_of(&j.cause)));
     let parts: Vec<Part> = parts.collect();
     let misfit = |model: &Projection| Misfit {
         rms_um: rms_um(model),
@@ -185,8 +170,8 @@ fn compared(
             gain: None,
             shares: Shares::of_parts(base, &parts, is_left),
             unexplained,
-            tests: vec![judge.test(base)],
-            tests_after: vec![judge.test(&after)],
+            tests: vec![test(base)],
+            tests_after: vec![test(&after)],
             places: Vec::new(),
         },
     };
@@ -215,22 +200,13 @@ fn projection(comparisons: &[RunComparison]) -> Projection {
     Projection::dense(observations, &base)
 }
 
-fn unexplained(
-    judge: &Judge,
-    after: &Projection,
-    rms_um: f64,
-    sigma_um: f64,
-    share: f64,
-) -> Unexplained {
+fn unexplained(p_value: f64, rms_um: f64, sigma_um: f64, share: f64) -> Unexplained {
     let note = match share {
         share if share < NEARLY_ALL => format!(
             "varies with run; the best explanation takes {:.0} % of it, which is not enough to name it",
             100.0 * share.max(0.0)
         ),
-        _ => format!(
-            "varies with run: a small remainder, probability {:.0e}",
-            judge.p_value(after)
-        ),
+        _ => format!("varies with run: a small remainder, probability {p_value:.0e}"),
     };
     Unexplained {
         level: Level::Lengths,

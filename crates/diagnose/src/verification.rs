@@ -68,15 +68,14 @@ use trueaxis_effects::Scene;
 use trueaxis_kinematics::{AxisKind, Machine};
 use trueaxis_predict::{CalibratedMachine, GIVE_COMMANDED, are_read_out};
 
+use crate::Rejected;
 use crate::components::diagnose_line_curve;
 use crate::said::Said;
 use crate::verification::alike::alike_scales;
 use crate::verification::autocorrelation::{Noise, alike_neighbours};
-use crate::verification::base::base_columns;
 use crate::verification::comparison::{Comparison, TIMESTAMP_OFFSET};
 use crate::verification::copied::copied;
 use crate::verification::given_once::{given_once, keep_rows_given_once};
-use crate::verification::gross_error::GrossError;
 use crate::verification::gross_errors::gross_errors;
 use crate::verification::joined::join;
 use crate::verification::lost_motion::beyond_drives;
@@ -84,10 +83,9 @@ use crate::verification::noise_floor::{noise_floor_um, repeats};
 use crate::verification::not_observable::not_observable;
 use crate::verification::omnibus::differs_by_cycle;
 use crate::verification::order::{put_in_order, takes_turns};
-use crate::verification::prediction_error::prediction_directions;
-use crate::verification::problem::{Given, Problem};
+use crate::verification::problem::Problem;
 use crate::verification::read_again::read_again;
-use crate::verification::resolution::{hidden_um, resolution_um};
+use crate::verification::resolution::hidden_um;
 use crate::verification::series::Series;
 use crate::verification::stops::slips_within_stops;
 use crate::verification::together::together;
@@ -148,17 +146,13 @@ pub(crate) fn diagnose_verification(
     let comparisons: Vec<(&str, Comparison<'_>)> = comparisons.collect();
     // Each by itself, and all together where there are several.
     let looks = comparisons.len() + usize::from(comparisons.len() > 1);
-    let asked = Asked {
-        calibration,
-        scene,
-        explain_curves,
-        level: LEVEL / looks.max(1) as f64,
-    };
-    let judged = comparisons
-        .iter()
-        .filter_map(|(name, comparison)| judged(name, comparison, asked, &mut outcome));
+    let level = LEVEL / looks.max(1) as f64;
+    let judged = comparisons.iter().filter_map(|(name, comparison)| {
+        let asked = (level, explain_curves);
+        judged(name, comparison, calibration, scene, asked, &mut outcome)
+    });
     let mut all: Vec<Series<'_>> = judged.collect();
-    let shared = together(&mut all, calibration, scene, asked.level);
+    let shared = together(&mut all, calibration, scene, level);
     let entry = |(number, series): (usize, &Series<'_>)| {
         let first: Vec<usize> = shared.iter().filter_map(|s| s.candidates[number]).collect();
         series.entry(scene, &first)
@@ -167,17 +161,6 @@ pub(crate) fn diagnose_verification(
     outcome.notices.extend(alike_scales(&outcome.entries, &all));
     join(&mut outcome.entries, &shared, &all);
     outcome
-}
-
-/// What is asked of each verification.
-#[derive(Clone, Copy)]
-struct Asked<'a> {
-    calibration: Option<&'a CalibratedMachine>,
-    scene: &'a Scene,
-    /// Whether to say what its mean curve consists of.
-    explain_curves: bool,
-    /// Its part of the false alarms.
-    level: f64,
 }
 
 /// Leaves readings out that contradict all others, which are said.
@@ -195,39 +178,37 @@ fn leave_gross_errors_out(
             verification.readings.remove(own.reading);
         }
         for own in gross {
-            let GrossError {
-                rejected,
-                contradicts,
+            let Rejected {
+                file,
+                row,
+                error_um,
+                u_um,
                 ..
-            } = own;
+            } = &own.rejected;
+            let against = own.contradicts.against();
             outcome.notices.push(format!(
-                "{}: the reading in line {} is off by {:.1} µm (u = {:.1} µm) against {}",
-                rejected.file,
-                rejected.row,
-                rejected.error_um,
-                rejected.u_um,
-                contradicts.against()
+                "{file}: the reading in line {row} is off by {error_um:.1} µm (u = {u_um:.1} µm) against {against}"
             ));
-            outcome.rejected.push(rejected);
+            outcome.rejected.push(own.rejected);
         }
     }
 }
 
-/// One verification judged by itself; none where nothing can be said, which is said.
+/// One verification judged by itself; none where nothing can be said, which is said. `level` is its part of the false alarms.
 fn judged<'a>(
     name: &'a str,
     comparison: &'a Comparison<'a>,
-    asked: Asked<'_>,
+    calibration: Option<&CalibratedMachine>,
+    scene: &Scene,
+    (level, explain_curves): (f64, bool),
     outcome: &mut Said,
 ) -> Option<Series<'a>> {
-    let calibration = asked.calibration;
     let doubts = [units::doubt(comparison), one_side::doubt(comparison)];
     let doubts = doubts.into_iter().flatten();
     outcome
         .notices
         .extend(doubts.map(|doubt| format!("{name}: {doubt}")));
-    let base = base_columns(comparison, calibration.is_some());
-    let Some(resolution_um) = resolution_um(comparison.arrivals.iter().map(|a| a.value_um)) else {
+    let Some(resolution_um) = comparison.resolution_um() else {
         let why = match comparison.arrivals.as_slice() {
             [stop] if stop.readings > 1 => {
                 "all readings are of one stop, and count as one; number them in `cycle`, one after the other, to have them judged for \
@@ -246,34 +227,20 @@ fn judged<'a>(
         hidden_um(resolution_um, scatter_um, repeats(comparison))
     });
     let floor_um = scatter_um.map(|scatter_um| scatter_um.max(resolution_um).hypot(hidden_um));
-    let posed = |sigma_um: f64, correlation: f64| {
-        let directions = calibration.map(|c| prediction_directions(&[comparison], c, sigma_um));
-        let given = Given {
-            calibrated: calibration.is_some(),
-            level: asked.level,
-            sigma_um,
-            correlation,
-            resolution_um,
-            hidden_um,
-            base: &base,
-            prediction: &directions.unwrap_or_default(),
-        };
-        Problem::new(comparison, asked.scene, &given)
+    let posed = |noise: Noise| {
+        let digit = (resolution_um, hidden_um);
+        Problem::new(comparison, scene, calibration, level, noise, digit)
     };
     let curve = match calibration {
-        None if asked.explain_curves => diagnose_line_curve(
-            comparison,
-            floor_um,
-            comparison.machine,
-            name,
-            &mut outcome.notices,
-        ),
+        None if explain_curves => {
+            diagnose_line_curve(comparison, floor_um, name, &mut outcome.notices)
+        }
         _ => None,
     };
     let is_explained = curve.is_some();
     outcome.curves.extend(curve.into_iter().flatten());
     // Without repeats the base model's misfit stands for the noise at first.
-    let plain = posed(floor_um.unwrap_or(1.0), 0.0);
+    let plain = posed(Noise::white(floor_um.unwrap_or(1.0)));
     if plain.listed.base.degrees_of_freedom < LEAST_DEGREES_OF_FREEDOM {
         let are_read_out =
             comparison.line().is_some() && are_read_out(&comparison.positions(comparison.axis()));
@@ -293,20 +260,17 @@ fn judged<'a>(
         // Then what is left with the causes in the model.
         for _ in 0..2 {
             let left_um = found.left_um().max(resolution_um);
-            found = Series::new(name, posed(left_um, 0.0));
+            found = Series::new(name, posed(Noise::white(left_um)));
         }
         found.noise_floor_um = found.left_um().max(resolution_um);
     }
     // Less noise than the last digit is alike for its own reasons.
     let correlated = match hidden_um > 0.0 {
         true => None,
-        false => alike_neighbours(
-            &found,
-            |Noise {
-                 sigma_um,
-                 correlation,
-             }| { Series::new(name, posed(sigma_um.max(resolution_um), correlation)) },
-        ),
+        false => alike_neighbours(&found, |noise| {
+            let sigma_um = noise.sigma_um.max(resolution_um);
+            Series::new(name, posed(Noise { sigma_um, ..noise }))
+        }),
     };
     if let Some(correlated) = correlated {
         found = correlated;
@@ -341,7 +305,7 @@ fn judged<'a>(
             "{name}: without time_s its rows were taken as a step cycle, position after position from either side in turn, but cycles differ, as those of an axis that went there and back do; then give time_s, or the rows in the order of measuring"
         ));
     }
-    let unseen = not_observable(&found.plain, asked.scene, name);
+    let unseen = not_observable(&found.plain, scene, name);
     // What the mean curve absorbs was looked for in the curve itself.
     let in_curve = |id: &str| {
         is_explained && ["scale_error", "cyclic_error", "encoder_eccentricity"].contains(&id)

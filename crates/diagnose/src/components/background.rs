@@ -24,9 +24,11 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
 use trueaxis_kinematics::AxisKind;
+use trueaxis_leastsquares::median;
 
 use crate::components::curve_set::CurveSet;
 use crate::components::smooth_prior::SmoothPrior;
+use crate::extremes::extremes;
 use crate::selection::{Projection, lengths_beside_earlier};
 
 /// One size of the rest, and the curves whitened with it.
@@ -231,18 +233,14 @@ fn kernel(set: &CurveSet) -> DMatrix<f64> {
 /// Median standard uncertainty and largest range of the curves.
 fn scales(set: &CurveSet) -> (f64, f64) {
     let ranges = set.values.chunks_exact(set.nodes.len()).map(|curve| {
-        let high = curve.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        high - curve.iter().copied().fold(f64::INFINITY, f64::min)
+        let [low, high] = extremes(curve.iter().copied());
+        high - low
     });
     let range = ranges.fold(LEAST_RANGE, f64::max);
-    let mut u: Vec<f64> = set
-        .covariance
-        .diagonal()
-        .iter()
-        .map(|v| v.max(0.0).sqrt())
-        .collect();
-    u.sort_by(f64::total_cmp);
-    (u[u.len() / 2].max(EXACT * range), range)
+    let variances = set.covariance.diagonal();
+    let mut u: Vec<f64> = variances.iter().map(|v| v.max(0.0).sqrt()).collect();
+    let u = median(&mut u).unwrap_or(0.0);
+    (u.max(EXACT * range), range)
 }
 
 /// Numbers of the sizes from `low` to `high`.

@@ -25,7 +25,6 @@ use crate::selection::Hypothesis;
 /// An effect on a set of curves, with all shapes that it may have.
 #[derive(Debug, Clone)]
 pub(crate) struct Candidate {
-    /// Effect and subject.
     pub(crate) hypothesis: Hypothesis,
     /// Number of linear parameters.
     pub(crate) parameters: usize,
@@ -81,7 +80,6 @@ pub(crate) fn candidates(set: &CurveSet, scene: &Scene) -> Vec<Candidate> {
 }
 
 impl Candidate {
-    /// An effect with shapes.
     pub(crate) fn new(
         effect: &'static Effect,
         subject: Subject,

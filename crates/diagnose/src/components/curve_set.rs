@@ -19,14 +19,14 @@ use trueaxis_leastsquares::median;
 use trueaxis_predict::Unit;
 
 use crate::components::candidates::Candidate;
-use crate::selection::Hypothesis;
+use crate::extremes::extremes;
+use crate::selection::{Hypothesis, Projection};
 
 /// Curves that are judged together.
 #[derive(Debug, Clone)]
 pub(crate) struct CurveSet {
     /// Index of the axis in the machine.
     pub(crate) axis: usize,
-    /// The axis.
     pub(crate) content: Axis,
     /// The curves, one after the other.
     pub(crate) components: Vec<Component>,
@@ -147,24 +147,13 @@ impl CurveSet {
             let nodes = result.nodes.iter();
             nodes.map(|node| in_unit(&node.error, *component))
         });
-        let of_all: Vec<f64> = of_all.collect();
-        let of_curve = |curve: &[f64]| kept.iter().map(|&node| curve[node]).collect::<Vec<f64>>();
-        let mut set = Self {
-            axis: result.axis,
-            content: content.clone(),
-            values: of_all.chunks_exact(all.len()).flat_map(of_curve).collect(),
-            covariance: covariance(calibration, result, kept, &components),
-            base: Vec::new(),
-            nodes: kept.iter().map(|&node| all[node]).collect(),
-            components,
-            thinned: (kept.len() < all.len()).then(|| Thinned {
-                stride: all.len().div_ceil(kept.len()),
-                nodes: all,
-                values: of_all,
-            }),
+        let all = Thinned {
+            stride: all.len().div_ceil(kept.len()),
+            nodes: all,
+            values: of_all.collect(),
         };
-        set.base = set.gauge();
-        set
+        let covariance = covariance(calibration, result, kept, &components);
+        Self::of_kept((result.axis, content), components, all, kept, covariance)
     }
 
     /// One curve that was read as a positioning line, µm or arcsec at positions in mm or rad, its values independent.
@@ -177,21 +166,36 @@ impl CurveSet {
         variances: Vec<f64>,
     ) -> Self {
         let stride = positions.len().div_ceil(MOST_STEPS_OF_LINE);
-        let variances: Vec<f64> = variances.into_iter().step_by(stride).collect();
-        let all: Vec<(f64, f64)> = positions.into_iter().map(|q| (q, 1.0)).collect();
+        let kept: Vec<usize> = (0..positions.len()).step_by(stride).collect();
+        let variances: Vec<f64> = kept.iter().map(|&node| variances[node]).collect();
+        let covariance = DMatrix::from_diagonal(&variances.into());
+        let all = Thinned {
+            nodes: positions.into_iter().map(|q| (q, 1.0)).collect(),
+            values,
+            stride,
+        };
+        Self::of_kept((axis, content), vec![component], all, &kept, covariance)
+    }
+
+    /// Curves of which some nodes are kept, with the covariance of their values there.
+    fn of_kept(
+        (axis, content): (usize, &Axis),
+        components: Vec<Component>,
+        all: Thinned,
+        kept: &[usize],
+        covariance: DMatrix<f64>,
+    ) -> Self {
+        let curves = all.values.chunks_exact(all.nodes.len());
+        let values = curves.flat_map(|curve| kept.iter().map(move |&node| curve[node]));
         let mut set = Self {
             axis,
             content: content.clone(),
-            components: vec![component],
-            nodes: all.iter().copied().step_by(stride).collect(),
-            values: values.iter().copied().step_by(stride).collect(),
-            covariance: DMatrix::from_diagonal(&variances.into()),
+            components,
+            nodes: kept.iter().map(|&node| all.nodes[node]).collect(),
+            values: values.collect(),
+            covariance,
             base: Vec::new(),
-            thinned: (stride > 1).then_some(Thinned {
-                nodes: all,
-                values,
-                stride,
-            }),
+            thinned: (kept.len() < all.nodes.len()).then_some(all),
         };
         set.base = set.gauge();
         set
@@ -263,9 +267,8 @@ impl CurveSet {
 
     /// From the first to the last position, mm or rad.
     pub(crate) fn travel(&self) -> f64 {
-        let positions = || self.nodes.iter().map(|node| node.0);
-        let high = positions().fold(f64::NEG_INFINITY, f64::max);
-        high - positions().fold(f64::INFINITY, f64::min)
+        let [low, high] = extremes(self.nodes.iter().map(|node| node.0));
+        high - low
     }
 
     /// The median distance of neighbouring positions, mm or rad.
@@ -280,6 +283,11 @@ impl CurveSet {
                 .as_ref()
                 .map_or(&self.nodes, |thinned| &thinned.nodes),
         )
+    }
+
+    /// What the gauge leaves of curves.
+    pub(crate) fn after_gauge(&self, curves: Vec<f64>) -> Projection {
+        Projection::dense(curves, &self.base)
     }
 
     /// What units of the parameters of a candidate add to the curves at a shape, µm or arcsec.

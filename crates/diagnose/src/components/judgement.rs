@@ -11,8 +11,6 @@
 //! the restricted likelihood with the effect in the model. If the rest were white and unknown, this would
 //! be Student's test.
 
-use std::ops::Range;
-
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -48,10 +46,10 @@ impl Judgement {
     /// Whitens the candidate's columns for each size. What is as long as the curve is let go at once: many shapes times many sizes
     /// of it would not fit into memory.
     pub(crate) fn new(set: &CurveSet, backgrounds: &[Background], candidate: &Candidate) -> Self {
-        let raw = Columns::of(set, candidate);
+        let raw = columns(set, candidate);
         let alike = |a: &Background, b: &Background| a.whitening.is_turned_as(&b.whitening);
         let judged = backgrounds.par_chunk_by(alike).flat_map(|alike| {
-            let turned = raw.turned(&alike[0]);
+            let turned = alike[0].whitening.turned_all(&raw);
             let of_size = move |background| of_size(background, candidate, &turned);
             alike.par_iter().map(of_size)
         });
@@ -98,19 +96,13 @@ impl Judgement {
             let ln_p = ln_sum(tails.iter().map(|tail| {
                 tail.ln_posterior() - total + ln_chi_squared(tail.statistic, tail.rank)
             }));
-            let with = ln_sum(
-                tails
-                    .iter()
-                    .map(|tail| tail.ln_weight + 0.5 * tail.statistic),
-            );
-            let statistic = 2.0 * (with - base);
+            let gained = |of: fn(&Tail) -> f64| {
+                let all = tails.iter().map(|tail| tail.ln_weight + 0.5 * of(tail));
+                2.0 * (ln_sum(all) - base)
+            };
+            let statistic = gained(|tail| tail.statistic);
+            evidences.push(gained(|tail| tail.evidence));
             let parameters = rank + usize::from(has_shape);
-            let marginal = ln_sum(
-                tails
-                    .iter()
-                    .map(|tail| tail.ln_weight + 0.5 * tail.evidence),
-            );
-            evidences.push(2.0 * (marginal - base));
             let score = Score {
                 scan: number,
                 shape,
@@ -139,7 +131,7 @@ pub(crate) fn scan(
     background: &Background,
     candidate: &Candidate,
 ) -> Option<FixedScan> {
-    let turned = Columns::of(set, candidate).turned(background);
+    let turned = background.whitening.turned_all(&columns(set, candidate));
     scan_of(background, candidate, &turned)
 }
 
@@ -147,7 +139,7 @@ pub(crate) fn scan(
 fn of_size(
     background: &Background,
     candidate: &Candidate,
-    turned: &Columns,
+    turned: &DMatrix<f64>,
 ) -> Vec<(usize, WithCoordinates)> {
     let mut all = Vec::new();
     let mut shapes = candidate.shapes.iter().enumerate();
@@ -176,48 +168,28 @@ impl Tail {
     }
 }
 
-/// The columns of all shapes side by side, each shape with the numbers of its own.
-struct Columns {
-    shapes: Vec<(f64, Range<usize>)>,
-    all: DMatrix<f64>,
-}
-
-impl Columns {
-    fn of(set: &CurveSet, candidate: &Candidate) -> Self {
-        let (mut shapes, mut all, mut count) = (Vec::new(), Vec::new(), 0);
-        for &shape in &candidate.shapes {
-            let columns = set.columns(candidate, shape);
-            let first = count;
-            count += columns.len();
-            shapes.push((shape, first..count));
-            all.extend(columns.into_iter().flatten());
-        }
-        Self {
-            shapes,
-            all: DMatrix::from_vec(set.values.len(), count, all),
-        }
-    }
-
-    fn turned(&self, background: &Background) -> Self {
-        Self {
-            shapes: self.shapes.clone(),
-            all: background.whitening.turned_all(&self.all),
-        }
-    }
-
-    /// Those of a shape.
-    fn of_shape(&self, shape: f64) -> impl Iterator<Item = &[f64]> {
-        let own = self.shapes.iter().find(|(own, _)| same(*own, shape));
-        let own = own.map_or(0..0, |(_, own)| own.clone());
-        let rows = self.all.nrows();
-        own.map(move |k| &self.all.as_slice()[k * rows..(k + 1) * rows])
-    }
+/// The columns of all shapes side by side, as many of each as there are parameters.
+fn columns(set: &CurveSet, candidate: &Candidate) -> DMatrix<f64> {
+    let shapes = candidate.shapes.iter();
+    let columns: Vec<Vec<f64>> = shapes.flat_map(|&s| set.columns(candidate, s)).collect();
+    DMatrix::from_vec(set.values.len(), columns.len(), columns.concat())
 }
 
 /// Whitens the turned columns of all shapes.
-fn scan_of(background: &Background, candidate: &Candidate, turned: &Columns) -> Option<FixedScan> {
+fn scan_of(
+    background: &Background,
+    candidate: &Candidate,
+    turned: &DMatrix<f64>,
+) -> Option<FixedScan> {
+    let length = turned.nrows() * candidate.parameters;
     let whitened = |shape: f64| {
-        let columns = turned.of_shape(shape);
+        let mut shapes = candidate
+            .shapes
+            .iter()
+            .zip(turned.as_slice().chunks_exact(length));
+        let own = shapes.find(|(own, _)| same(**own, shape));
+        let columns = own.map_or(&[][..], |(_, own)| own);
+        let columns = columns.chunks_exact(turned.nrows());
         columns.map(|c| background.whitening.scaled(c)).collect()
     };
     FixedScan::new(

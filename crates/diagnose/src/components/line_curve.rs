@@ -3,7 +3,7 @@
 //! The curve contradicts nothing: it is the machine as far as anyone knows. But what repeats along it, or is in
 //! proportion to position, has a name, and is found as in the curves of a calibration: on a smooth background.
 
-use trueaxis_kinematics::{ARCSEC, AxisKind, Component, Ideal, MICROMETRE, Machine};
+use trueaxis_kinematics::{ARCSEC, AxisKind, Component, Ideal, MICROMETRE};
 
 use crate::Cause;
 use crate::components::curve_set::{CurveSet, FEWEST_STEPS};
@@ -24,14 +24,14 @@ const MOST_STEPS_APART: f64 = 3.0;
 pub(crate) fn diagnose_line_curve(
     comparison: &Comparison<'_>,
     noise_um: Option<f64>,
-    machine: &Machine,
     name: &str,
     notices: &mut Vec<String>,
 ) -> Option<Vec<Cause>> {
     let axis = comparison.line()?;
-    if lines(comparison).iter().any(|line| *line > 0) {
+    if count(&lines(comparison)) > 1 {
         return None;
     }
+    let machine = comparison.machine;
     let content = &machine.axes()[axis];
     let principal = content.principal();
     let component = match content.kind() {

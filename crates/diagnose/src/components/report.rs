@@ -10,7 +10,7 @@ use crate::components::curve_set::CurveSet;
 use crate::components::search::Found;
 use crate::engine::with_uncertainties;
 use crate::fitted::{Fitted, Row};
-use crate::selection::{Fit, Projection};
+use crate::selection::Fit;
 
 /// Lever at which angles count in an rms of displacements, mm: the size of a workpiece.
 const LEVER_MM: f64 = 100.0;
@@ -18,7 +18,6 @@ const LEVER_MM: f64 = 100.0;
 /// Relative difference of the parameters for the derivatives of amplitude and phase.
 const DIFFERENCE: f64 = 1e-6;
 
-/// The cause.
 pub(crate) fn cause(set: &CurveSet, found: &Found, scene: &Scene) -> Cause {
     let hypothesis = &found.candidate.hypothesis;
     let estimate = &found.estimate;
@@ -34,7 +33,7 @@ pub(crate) fn cause(set: &CurveSet, found: &Found, scene: &Scene) -> Cause {
         .map(|k| estimate.covariance[(k / n, k % n)])
         .collect();
     let columns = set.columns(&found.candidate, estimate.shape);
-    let seen = Fit::new(&Projection::dense(set.values.clone(), &set.base), &columns).seen;
+    let seen = Fit::new(&set.after_gauge(set.values.clone()), &columns).seen;
     let linear = (&estimate.parameters[..], &covariance[..], &seen[..]);
     let mut parameters = with_uncertainties(scene, hypothesis, linear, of_shape);
     let unit = parameters.first().map_or("um", |parameter| parameter.unit);
@@ -109,10 +108,7 @@ fn u_of(found: &Found, f: &dyn Fn(&[f64]) -> f64) -> f64 {
 
 /// The curve of the set in which the effect is largest, both after what the gauge takes.
 fn fitted(set: &CurveSet, effect: &[f64], scene: &Scene) -> Option<Fitted> {
-    let after_gauge = |curve: &[f64]| Projection::dense(curve.to_vec(), &set.base).residuals;
-    let values = after_gauge(&set.values)
-        .into_iter()
-        .zip(after_gauge(effect));
+    let [values, effect] = [&set.values[..], effect].map(|y| set.after_gauge(y.to_vec()).residuals);
     let row = |(i, (misfit, fitted))| {
         let (position, direction) = set.nodes[i % set.nodes.len()];
         Row {
@@ -125,7 +121,8 @@ fn fitted(set: &CurveSet, effect: &[f64], scene: &Scene) -> Option<Fitted> {
             u: set.covariance[(i, i)].max(0.0).sqrt(),
         }
     };
-    let rows: Vec<Row> = values.enumerate().map(row).collect();
+    let values = values.into_iter().zip(effect).enumerate();
+    let rows: Vec<Row> = values.map(row).collect();
     let name = |k: usize| set.components[k].name(set.content.name());
     let fitted = Fitted::new(&rows, name, scene)?;
     Some(fitted.of_angles(set.components[0].is_angular()))
@@ -134,16 +131,16 @@ fn fitted(set: &CurveSet, effect: &[f64], scene: &Scene) -> Option<Fitted> {
 /// By what part the squares of the curves fall without the effect, and the rms of the effect, both after
 /// what the gauge takes.
 fn share_and_rms(set: &CurveSet, effect: &[f64]) -> (f64, f64) {
-    let after_gauge = |curve: Vec<f64>| Projection::dense(curve, &set.base);
-    let all = after_gauge(set.values.clone()).squares();
+    let all = set.after_gauge(set.values.clone()).squares();
     let pairs = set.values.iter().zip(effect);
-    let left = after_gauge(pairs.map(|(y, x)| y - x).collect()).squares();
+    let left = set.after_gauge(pairs.map(|(y, x)| y - x).collect());
+    let left = left.squares();
     let share = if all > 0.0 {
         (1.0 - left / all).max(0.0)
     } else {
         0.0
     };
-    let own = after_gauge(effect.to_vec()).squares() / effect.len().max(1) as f64;
+    let own = set.after_gauge(effect.to_vec()).squares() / effect.len().max(1) as f64;
     let um = if set.components[0].is_angular() {
         ARCSEC * LEVER_MM / MICROMETRE
     } else {

@@ -1,7 +1,7 @@
 //! One effect at a time, each with the earlier ones in the model; at the end each against all others.
 
 use rayon::prelude::*;
-use trueaxis_effects::{Effect, Scene};
+use trueaxis_effects::Scene;
 use trueaxis_kinematics::AxisKind;
 
 use crate::cause::{Cause, Rival};
@@ -25,7 +25,6 @@ pub(crate) struct Search<'a> {
 
 /// One set of curves.
 pub(crate) struct SetSearch {
-    /// The curves.
     pub(crate) set: CurveSet,
     /// Of the size of its smooth rest.
     pub(crate) prior: SmoothPrior,
@@ -38,9 +37,7 @@ pub(crate) struct SetSearch {
 /// An effect that stands out.
 #[derive(Debug, Clone)]
 pub(crate) struct Found {
-    /// Which.
     pub(crate) candidate: Candidate,
-    /// Its values.
     pub(crate) estimate: Estimate,
     /// Its judgement, with all others in the model.
     pub(crate) score: Score,
@@ -54,7 +51,6 @@ pub(crate) struct Found {
 const MOST_CAUSES: usize = 4;
 
 impl<'a> Search<'a> {
-    /// Prepares the search.
     pub(crate) fn new(scene: &'a Scene, sets: Vec<CurveSet>) -> Self {
         let sets = sets.into_par_iter().map(|set| SetSearch {
             candidates: candidates(&set, scene),
@@ -309,16 +305,16 @@ impl SetSearch {
             candidate.shapes = vec![shape];
             let judgement = Judgement::new(&self.set, &backgrounds, &candidate);
             let score = judgement.score(&backgrounds, &candidate, self.found[i].score.scan);
-            let effect: &Effect = candidate.hypothesis.effect;
-            let p_value = score.map(|score| family.p_value(effect.id, score.ln_p));
-            match (score, p_value) {
-                (Some(score), Some(p_value)) if p_value <= LEVEL => {
+            let id = candidate.hypothesis.effect.id;
+            let judged = score.map(|score| (score, family.p_value(id, score.ln_p)));
+            match judged.filter(|(_, p_value)| *p_value <= LEVEL) {
+                Some((score, p_value)) => {
                     let estimate = estimate(&self.set, &backgrounds, &candidate, shape);
                     let found = &mut self.found[i];
                     (found.score, found.p_value, found.estimate) = (score, p_value, estimate);
                     i += 1;
                 }
-                _ => {
+                None => {
                     self.found.remove(i);
                 }
             }

@@ -3,7 +3,7 @@
 
 use trueaxis_calibrate::AxisResult;
 use trueaxis_files::round;
-use trueaxis_kinematics::{AxisKind, Component};
+use trueaxis_kinematics::Component;
 use trueaxis_predict::Unit;
 
 use crate::diagnosis::NotObservable;
@@ -18,10 +18,7 @@ const LISTED: u32 = 4;
 /// What the positions of an axis hide; none if they are not equally spaced.
 pub(crate) fn periods_of_the_step(axis: &AxisResult) -> Option<NotObservable> {
     let step = equal_step(axis)?;
-    let (size, unit) = match axis.kind {
-        AxisKind::Linear => (step, "mm"),
-        AxisKind::Rotary => (step.to_degrees(), "deg"),
-    };
+    let (size, unit) = (axis.kind.position_in_file(step), axis.kind.position_unit());
     let periods: Vec<String> = (1..=LISTED)
         .map(|n| format!("{}", round(size / f64::from(n), 3)))
         .collect();

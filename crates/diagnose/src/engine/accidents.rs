@@ -3,7 +3,7 @@
 /// Lines of a table that are named.
 const NAMED: usize = 6;
 
-/// Number of accidents that `count` readings may have, a `part` of them and at least one: more are structure.
+/// A `part` of a `count`, and at least one: as many readings may be accidents, more are structure.
 pub(crate) fn most(part: f64, count: usize) -> usize {
     #[expect(
         clippy::cast_possible_truncation,

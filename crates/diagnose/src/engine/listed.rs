@@ -4,7 +4,6 @@
 //! looked for between its neighbours ([`crate::engine::Finer`]), and that joins the list of the hypothesis for this model. A period or time
 //! constant joins the parameters by its derivative ([`Listed::sizes`]), so that all of them carry its uncertainty.
 
-use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
@@ -82,11 +81,16 @@ impl<'a> Listed<'a> {
         &self.candidates[beside.numbers[score.scan]]
     }
 
+    /// The columns of a cause.
+    pub(crate) fn columns_of(&self, cause: &Chosen) -> Vec<Vec<f64>> {
+        let candidate = &self.candidates[cause.candidate];
+        candidate.columns(cause.shape).into_owned()
+    }
+
     /// The columns of causes, one cause after the other.
     pub(crate) fn columns(&self, causes: &[Chosen]) -> Vec<Vec<f64>> {
-        let of_cause = |chosen: &Chosen| self.candidates[chosen.candidate].columns(chosen.shape);
-        let all = causes.iter().map(of_cause);
-        all.flat_map(Cow::into_owned).collect()
+        let of_each = causes.iter().map(|cause| self.columns_of(cause));
+        of_each.flatten().collect()
     }
 
     /// The projection with causes in the model.
@@ -201,7 +205,7 @@ impl<'a> Listed<'a> {
         Some(Judged {
             cause: causes[k],
             score,
-            fit: Fit::new(&beside.model, &self.columns(&causes[k..=k])),
+            fit: Fit::new(&beside.model, &self.columns_of(&causes[k])),
             beside,
         })
     }

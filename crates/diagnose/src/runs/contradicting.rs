@@ -9,41 +9,36 @@ use crate::{LevelReport, Misfit, OmnibusTest, Shares, Unexplained};
 
 /// What the calibration rejects: runs of one axis, and those that see the stage turned.
 pub(crate) fn contradicting_runs(calibration: &Calibration) -> Option<Entry> {
+    let test = |said: String, columns: usize, p_value: f64| OmnibusTest {
+        varies_with: "run",
+        detail: Some(said),
+        columns,
+        p_value,
+    };
     let of_axes = calibration.axes.iter().filter_map(|axis| {
-        let runs = axis.runs.as_ref()?;
-        let said = format!("runs {} of axis {} differ", runs.runs.join(", "), axis.name);
-        let squares = (runs.chi_squared, runs.degrees_of_freedom);
-        Some((said, runs.p_value, squares, runs.rms_mm))
+        let own = axis.runs.as_ref()?;
+        let said = format!("runs {} of axis {} differ", own.runs.join(", "), axis.name);
+        let test = test(said, own.degrees_of_freedom, own.p_value);
+        Some((test, own.chi_squared, own.rms_mm))
     });
     let turned = calibration.turned_runs.iter().map(|own| {
-        let said = format!(
-            "runs {} are turned against each other",
-            own.runs.join(" and ")
-        );
-        let squares = (own.chi_squared, own.degrees_of_freedom);
-        (said, own.p_value, squares, own.moved_mm)
+        let runs = own.runs.join(" and ");
+        let said = format!("runs {runs} are turned against each other");
+        let test = test(said, own.degrees_of_freedom, own.p_value);
+        (test, own.chi_squared, own.moved_mm)
     });
     let all: Vec<_> = of_axes.chain(turned).collect();
     let largest_mm = all.iter().map(|(.., mm)| *mm).reduce(f64::max)?;
-    let squares: f64 = all.iter().map(|(_, _, (squares, _), _)| squares).sum();
-    let columns: usize = all.iter().map(|(_, _, (_, columns), _)| columns).sum();
-    let columns = columns as f64;
+    let squares: f64 = all.iter().map(|(_, squares, _)| squares).sum();
+    let tests: Vec<OmnibusTest> = all.into_iter().map(|(test, ..)| test).collect();
+    let columns = tests.iter().map(|test| test.columns).sum::<usize>() as f64;
     let noise = (columns / squares.max(columns)).min(1.0);
     let rms_um = largest_mm / MICROMETRE;
     let misfit = Misfit {
         rms_um,
         heldout_rms_um: None,
     };
-    let tests = all
-        .iter()
-        .map(|(said, p_value, (_, columns), _)| OmnibusTest {
-            varies_with: "run",
-            detail: Some(said.clone()),
-            columns: *columns,
-            p_value: *p_value,
-        });
-    let tests: Vec<OmnibusTest> = tests.collect();
-    let said: Vec<String> = all.into_iter().map(|(said, ..)| said).collect();
+    let said: Vec<&str> = tests.iter().filter_map(|t| t.detail.as_deref()).collect();
     let said = said.join("; ");
     Some(Entry {
         causes: Vec::new(),

@@ -1,12 +1,12 @@
 //! What may make runs differ, and what a unit of it does to their comparison.
 
 use trueaxis_calibrate::{Replay, RunComparison};
-use trueaxis_effects::{Effect, ResolvedEffect, Scene, Subject, effect};
+use trueaxis_effects::{Level, Scene, effect};
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_poses::EffectsOnLengths;
 
 use crate::NotObservable;
-use crate::engine::{Candidate, Listed, in_words, plausible, unseen};
+use crate::engine::{Candidate, Listed, in_words, of_catalogue, plausible, unseen};
 use crate::selection::{Hypothesis, gram_of};
 
 /// Effects that give one axis another curve in another run. What else changes with time contradicts the lengths
@@ -26,15 +26,10 @@ pub(super) fn candidates(
 ) -> Vec<Candidate<'static>> {
     let mut responses = replay.responses();
     let rows = comparisons.iter().map(|c| c.observations.len()).sum();
-    let mut column = |effect: &'static Effect, subject: Subject, k: usize, count: usize| {
-        let mut unit = ResolvedEffect {
-            effect,
-            subject,
-            parameters: vec![0.0; count],
-            shape: 0.0,
-        };
-        unit.parameters[k] = 1.0;
-        let of_unit_mm = on_lengths.of(&[unit]);
+    let mut column = |hypothesis: &Hypothesis, k: usize, count: usize| {
+        let mut unit = vec![0.0; count];
+        unit[k] = 1.0;
+        let of_unit_mm = on_lengths.of(&[hypothesis.resolved(unit, 0.0)]);
         let largest_mm = of_unit_mm.iter().fold(0.0_f64, |max, x| max.max(x.abs()));
         if largest_mm <= 0.0 {
             return vec![0.0; rows];
@@ -48,31 +43,23 @@ pub(super) fn candidates(
             |changes| changes.concat().iter().map(|x| x / scale).collect(),
         )
     };
-    let mut all = Vec::new();
-    for effect in EFFECTS.iter().filter_map(|id| effect(id)) {
-        let subjects = effect.subjects(scene);
-        for &subject in &subjects {
-            let count = effect.parameters(scene, &subject).len();
-            let columns = (0..count)
-                .map(|k| column(effect, subject, k, count))
-                .collect();
-            let hypothesis = Hypothesis {
-                effect,
-                subject,
-                subjects: subjects.len(),
-            };
-            all.push(Candidate {
-                is_free: false,
-                finer: None,
-                sizes: Vec::new(),
-                columns: vec![columns],
-                shapes: vec![0.0],
-                plausible: plausible(&hypothesis, scene),
-                hypothesis,
-            });
+    let all = of_catalogue(Level::Lengths, scene, |_| true).into_iter();
+    let all = all.filter(|hypothesis| EFFECTS.contains(&hypothesis.effect.id));
+    let candidate = |hypothesis: Hypothesis| {
+        let plausible = plausible(&hypothesis, scene);
+        let count = plausible.len();
+        let columns = (0..count).map(|k| column(&hypothesis, k, count));
+        Candidate {
+            is_free: false,
+            finer: None,
+            sizes: Vec::new(),
+            columns: vec![columns.collect()],
+            shapes: vec![0.0],
+            plausible,
+            hypothesis,
         }
-    }
-    all
+    };
+    all.map(candidate).collect()
 }
 
 /// The pairs of axes whose coupling the runs do not show.

@@ -8,7 +8,7 @@ use trueaxis_effects::{Level, Shape};
 
 use crate::engine::{Chosen, Family, Omnibus};
 use crate::selection::{Fit, Projection};
-use crate::verification::base::{indicators, places};
+use crate::verification::base::{indicators, places, times};
 use crate::verification::problem::Problem;
 use crate::verification::report::rms_of_readings_um;
 use crate::{OmnibusTest, Unexplained};
@@ -26,25 +26,15 @@ pub(crate) fn another_curve(
         effect.shape == Shape::Instant
     };
     let jump = causes.iter().find(is_jump)?;
-    let is_later = |row: usize| comparison.arrivals[row].time_s > jump.shape;
-    let later = |column: &[f64]| {
-        let cut = column.iter().enumerate();
-        let cut = cut.map(|(row, x)| if is_later(row) { *x } else { 0.0 });
-        problem.whiten(&cut.collect::<Vec<f64>>())
-    };
-    let at: Vec<f64> = comparison
-        .arrivals
-        .iter()
-        .map(|a| a.positions[axis])
-        .collect();
-    let straight = after.extended(&[later(&vec![1.0; at.len()]), later(&at)]);
-    let curve: Vec<Vec<f64>> = indicators(&places(comparison))
-        .iter()
-        .map(|c| later(c))
-        .collect();
+    let arrivals = || comparison.arrivals.iter();
+    let is_later = arrivals().map(|a| f64::from(u8::from(a.time_s > jump.shape)));
+    let is_later: Vec<f64> = is_later.collect();
+    let later = |column: &Vec<f64>| problem.whiten(&times(column, &is_later));
+    let at: Vec<f64> = arrivals().map(|a| a.positions[axis]).collect();
+    let straight = after.extended(&[problem.whiten(&is_later), later(&at)]);
     let curve = Family {
         varies_with: "position",
-        columns: curve,
+        columns: indicators(&places(comparison)).iter().map(later).collect(),
     };
     let OmnibusTest {
         columns, p_value, ..

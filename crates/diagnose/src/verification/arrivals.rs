@@ -15,6 +15,7 @@
 
 use trueaxis_campaign::VerificationReading;
 
+use crate::extremes::extremes;
 use crate::verification::side::{around, side};
 
 /// One visit of a commanded position.
@@ -133,9 +134,7 @@ fn are_same(a: &[f64], b: &[f64]) -> bool {
 }
 
 fn set_progress(all: &mut [Arrival]) {
-    let times = || all.iter().map(|arrival| arrival.time_s);
-    let first = times().fold(f64::INFINITY, f64::min);
-    let last = times().fold(f64::NEG_INFINITY, f64::max);
+    let [first, last] = extremes(all.iter().map(|arrival| arrival.time_s));
     let duration = (last - first).max(f64::MIN_POSITIVE);
     for arrival in all {
         arrival.elapsed_s = arrival.time_s - first;

@@ -15,7 +15,6 @@
 use crate::engine::golden_section;
 use crate::selection::{Projection, lengths_beside_earlier};
 use crate::verification::base::{cells, indicators};
-use crate::verification::comparison::Comparison;
 use crate::verification::model::{evidence, is_left};
 use crate::verification::noise_floor::pass_columns;
 use crate::verification::series::Series;
@@ -49,6 +48,16 @@ pub(crate) struct Noise {
     pub(crate) correlation: f64,
 }
 
+impl Noise {
+    /// Of arrivals that are independent.
+    pub(crate) fn white(sigma_um: f64) -> Self {
+        Self {
+            sigma_um,
+            correlation: 0.0,
+        }
+    }
+}
+
 /// A series with correlated noise, if that explains it better than it is explained without.
 pub(crate) fn alike_neighbours<'a>(
     found: &Series<'a>,
@@ -76,7 +85,9 @@ pub(crate) fn alike_neighbours<'a>(
 /// The noise of a series beside its causes, if neighbours are alike by a drop of the deviance.
 fn noise(series: &Series<'_>, least: f64) -> Option<Noise> {
     let comparison = series.plain.comparison;
-    let (rows, cells): (Vec<usize>, Vec<usize>) = looked_at(comparison).into_iter().unzip();
+    let cells = cells(comparison).into_iter().enumerate();
+    let (rows, cells): (Vec<usize>, Vec<usize>) =
+        cells.filter(|(_, cell)| *cell < MOST_CELLS).unzip();
     let causes = series.model.problem.listed.columns(&series.model.causes);
     let causes = causes.iter().map(|column| series.plain.um(column));
     let others = pass_columns(comparison, true).into_iter().chain(causes);
@@ -106,13 +117,6 @@ fn noise(series: &Series<'_>, least: f64) -> Option<Noise> {
         sigma_um: (best.squares / beside.degrees_of_freedom).sqrt(),
         correlation,
     })
-}
-
-/// Rows of the first positions of all passes, and their cells.
-fn looked_at(comparison: &Comparison<'_>) -> Vec<(usize, usize)> {
-    let mut cells: Vec<(usize, usize)> = cells(comparison).into_iter().enumerate().collect();
-    cells.retain(|(_, cell)| *cell < MOST_CELLS);
-    cells
 }
 
 /// A model of readings that are alike.

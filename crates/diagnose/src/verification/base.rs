@@ -11,10 +11,12 @@
 //! cycles or lines. The set-up of a ball bar absorbs a constant and once per turn: errors of scale that
 //! the axes have in common, not squareness.
 
+use std::cmp::Ordering;
+
 use trueaxis_campaign::VerificationKind;
 use trueaxis_predict::{ball_bar_set_up, positioning_lines};
 
-use crate::verification::arrivals::{Arrival, is_same};
+use crate::verification::arrivals::Arrival;
 use crate::verification::comparison::Comparison;
 
 /// The columns, µm per unit.
@@ -96,14 +98,11 @@ fn numbered(comparison: &Comparison<'_>, key: impl Fn(&Arrival) -> Vec<f64>) -> 
     let keys: Vec<Vec<f64>> = comparison.arrivals.iter().map(key).collect();
     let order = |a: &Vec<f64>, b: &Vec<f64>| {
         let pairs = a.iter().zip(b).map(|(a, b)| a.total_cmp(b));
-        pairs
-            .into_iter()
-            .find(|o| o.is_ne())
-            .unwrap_or(std::cmp::Ordering::Equal)
+        pairs.fold(Ordering::Equal, Ordering::then)
     };
     let mut distinct = keys.clone();
     distinct.sort_by(order);
-    distinct.dedup_by(|a, b| a.iter().zip(b.iter()).all(|(a, b)| is_same(*a, *b)));
+    distinct.dedup_by(|a, b| order(a, b).is_eq());
     let number = |key| {
         distinct
             .binary_search_by(|other| order(other, key))
@@ -117,6 +116,29 @@ pub(crate) fn count(numbers: &[usize]) -> usize {
     numbers.iter().max().map_or(0, |last| last + 1)
 }
 
+/// How many there are of each number.
+pub(crate) fn sizes(numbers: &[usize]) -> Vec<usize> {
+    let mut sizes = vec![0; count(numbers)];
+    numbers.iter().for_each(|&number| sizes[number] += 1);
+    sizes
+}
+
+/// Takes a location (mean, median) of each number out of values.
+pub(crate) fn less_location(
+    x: &mut [f64],
+    numbers: &[usize],
+    location: impl Fn(&mut [f64]) -> f64,
+) {
+    let mut of_numbers: Vec<Vec<f64>> = vec![Vec::new(); count(numbers)];
+    for (x, &number) in x.iter().zip(numbers) {
+        of_numbers[number].push(*x);
+    }
+    let locations: Vec<f64> = of_numbers.iter_mut().map(|own| location(own)).collect();
+    for (x, &number) in x.iter_mut().zip(numbers) {
+        *x -= locations[number];
+    }
+}
+
 /// One column for each number.
 pub(crate) fn indicators(numbers: &[usize]) -> Vec<Vec<f64>> {
     let mut columns = vec![vec![0.0; numbers.len()]; count(numbers)];
@@ -124,4 +146,9 @@ pub(crate) fn indicators(numbers: &[usize]) -> Vec<Vec<f64>> {
         columns[number][row] = 1.0;
     }
     columns
+}
+
+/// Two columns multiplied, reading by reading.
+pub(crate) fn times(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a * b).collect()
 }

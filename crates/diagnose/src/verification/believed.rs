@@ -31,15 +31,10 @@ pub(crate) fn without_imitations(problem: &Problem<'_>, causes: &mut Vec<Chosen>
     let tests = omnibus(problem, &problem.listed.with(causes));
     let squares = |t: &Omnibus| t.drop - t.test.columns as f64;
     let left = still_left(&problem.families, &tests, problem.level, squares);
+    let listed = &problem.listed;
     causes.retain(|cause| {
-        let columns = problem.listed.columns(std::slice::from_ref(cause));
-        let fit = Fit::new(&problem.listed.base, &columns);
-        let candidate = &problem.listed.candidates[cause.candidate];
-        !is_imitation(
-            &problem.listed.base,
-            &fit,
-            candidate.is_of_any_form(),
-            &left,
-        )
+        let fit = Fit::new(&listed.base, &listed.columns_of(cause));
+        let is_of_any_form = listed.candidates[cause.candidate].is_of_any_form();
+        !is_imitation(&listed.base, &fit, is_of_any_form, &left)
     });
 }

@@ -6,12 +6,14 @@ use std::collections::BTreeMap;
 use trueaxis_campaign::{Direction, Verification, VerificationKind};
 use trueaxis_effects::{Circumstances, Effect, GivenEffect, Shape, Subject};
 use trueaxis_kinematics::{AxisKind, Ideal, MICROMETRE, Machine};
-use trueaxis_leastsquares::half_waves;
 use trueaxis_predict::{
     CalibratedMachine, MeasuredPoint, carrier, predicted_reading_um, stands_alike,
 };
 
+use crate::engine::waves_of;
+use crate::extremes::extremes;
 use crate::verification::arrivals::{Arrival, are_timed, arrivals, is_same, numbered_in_a_row};
+use crate::verification::resolution::resolution_um;
 use crate::verification::whitening::lags;
 
 /// The effect of one axis on another.
@@ -100,11 +102,7 @@ impl<'a> Comparison<'a> {
             arrivals,
         };
         let axis = comparison.axis();
-        let at = comparison.arrivals.iter().map(|a| a.positions[axis]);
-        comparison.range = [
-            at.clone().fold(f64::INFINITY, f64::min),
-            at.fold(f64::NEG_INFINITY, f64::max),
-        ];
+        comparison.range = extremes(comparison.arrivals.iter().map(|a| a.positions[axis]));
         if let (Some(axis), Some(calibration)) = (comparison.line(), calibration) {
             comparison.parked_elsewhere = comparison.parked_elsewhere(axis, calibration);
         }
@@ -249,16 +247,10 @@ impl<'a> Comparison<'a> {
         positions
     }
 
-    /// Half waves of the position of that axis over the range of its positions, from one on; each a column over the readings.
-    pub(crate) fn waves_of_position(&self, count: usize) -> Vec<Vec<f64>> {
-        let mut waves = vec![Vec::with_capacity(self.arrivals.len()); count];
-        // As many as there are columns.
-        for x in self.arrivals.iter().map(|a| self.travelled(a)) {
-            for (wave, value) in waves.iter_mut().zip(half_waves(x, u32::MAX)) {
-                wave.push(value);
-            }
-        }
-        waves
+    /// Half waves of the position of that axis over the range of its positions, from one on, in each group of readings.
+    pub(crate) fn waves_of_position(&self, count: u32, groups: Vec<usize>) -> Vec<Vec<f64>> {
+        let at = self.arrivals.iter().map(|a| self.travelled(a));
+        waves_of(groups.into_iter().zip(at).map(Some), false, count)
     }
 
     /// Whether a line was read at one position after the other, at each of them once for all: then what goes with its position goes
@@ -270,6 +262,11 @@ impl<'a> Comparison<'a> {
         let at = |arrival: &Arrival| arrival.positions[axis];
         let stays = self.arrivals.chunk_by(|a, b| is_same(at(a), at(b)));
         stays.count() == self.positions(axis).len()
+    }
+
+    /// Standard uncertainty of a reading from its last digit, µm. `None` if all are equal.
+    pub(crate) fn resolution_um(&self) -> Option<f64> {
+        resolution_um(self.arrivals.iter().map(|a| a.value_um))
     }
 
     /// What is counted in a unit: without a clock times count readings.

@@ -11,7 +11,9 @@ use crate::verification::described::described;
 use crate::verification::held_out::{gain, held_out};
 use crate::verification::instead::{constant_instead, simple_instead};
 use crate::verification::lost_motion::FORMS;
-use crate::verification::model::{Model, evidence, has, have_same, is_coupling, is_left, only};
+use crate::verification::model::{
+    Model, evidence, has, have_same, is_coupling, is_left, of_causes, only,
+};
 use crate::verification::problem::Problem;
 use crate::verification::search::{drop_superfluous, opposed, refine, search, search_from};
 use crate::verification::wandering::{FittedProcess, wandering};
@@ -21,10 +23,7 @@ const MOST_TRIES: usize = 3;
 
 /// The model with the most evidence, if what wanders in it helps on readings that were not used; else that of causes alone.
 pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
-    let of_causes = Model {
-        causes: causes(plain),
-        ..only(plain, Vec::new())
-    };
+    let of_causes = of_causes(plain, causes(plain));
     let is_complete = !is_left(&of_causes);
     let alone = match of_causes.causes.is_empty() && is_complete {
         true => Vec::new(),
@@ -94,7 +93,7 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
 
 /// Sets of causes beside which something may wander.
 fn suspected(plain: &Problem<'_>, of_causes: &[Chosen]) -> Vec<Vec<Chosen>> {
-    let found = search(&plain.listed, &[], plain.level);
+    let found = search(&plain.listed, Vec::new(), &[], plain.level);
     let mut holding = found.clone();
     without_imitations(plain, &mut holding);
     // A form of one parameter that leaves much of what wanders may be right; others imitate it.
@@ -153,10 +152,7 @@ fn whole<'a>(plain: &Problem<'a>, excluded: &[usize]) -> Vec<Model<'a>> {
         if causes.len() < 2 || is_known || opposed(listed, &causes) {
             continue;
         }
-        let model = Model {
-            causes,
-            ..only(plain, Vec::new())
-        };
+        let model = of_causes(plain, causes);
         if !is_left(&model) {
             models.push(model);
         }
@@ -231,7 +227,7 @@ fn causes(problem: &Problem<'_>) -> Vec<Chosen> {
     let listed = &problem.listed;
     let mut excluded: Vec<usize> = Vec::new();
     for _ in 0..MOST_TRIES {
-        let mut chosen = search(listed, &excluded, level);
+        let mut chosen = search(listed, Vec::new(), &excluded, level);
         let first: Vec<usize> = chosen.iter().map(|c| c.candidate).collect();
         // Beside what wanders the neighbours of a reading predict it with a cause and without.
         if !problem.wanders {

@@ -2,6 +2,7 @@
 
 use trueaxis_campaign::VerificationReading;
 
+use crate::extremes::extremes;
 use crate::verification::arrivals::is_same;
 use crate::verification::given_once::LEAST_REPEATED;
 
@@ -74,8 +75,7 @@ const COARSE: f64 = 50.0;
 /// Whether repeats differ by one digit at most, of few over the range: an instrument that reads no finer reads the same twice.
 fn is_coarse(readings: &[VerificationReading], furthest_um: f64) -> bool {
     let values = || readings.iter().map(|reading| reading.value_um);
-    let first = values().fold(f64::INFINITY, f64::min);
-    let last = values().fold(f64::NEG_INFINITY, f64::max);
+    let [low, high] = extremes(values());
     let is_digit = |digit: &f64| {
         let steps = |value: f64| (value / digit - (value / digit).round()).abs();
         values().all(|value| steps(value) < ROUNDING)
@@ -85,7 +85,7 @@ fn is_coarse(readings: &[VerificationReading], furthest_um: f64) -> bool {
         .flat_map(|power| [5.0, 2.0, 1.0].map(|x| x * 10_f64.powi(power)));
     let mut digits = digits.filter(is_digit);
     let digit = digits.next().unwrap_or(0.0);
-    last - first <= COARSE * digit && furthest_um <= digit * (1.0 + ROUNDING)
+    high - low <= COARSE * digit && furthest_um <= digit * (1.0 + ROUNDING)
 }
 
 /// Of a number of digits.

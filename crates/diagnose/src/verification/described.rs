@@ -21,7 +21,7 @@ const OWN_COURSE: f64 = 0.75;
 /// Squares of what a cause of a model does to the readings, in variances of the noise.
 fn squares_of(plain: &Problem<'_>, model: &Model<'_>, k: usize) -> f64 {
     let listed = &model.problem.listed;
-    let columns = listed.columns(std::slice::from_ref(&model.causes[k]));
+    let columns = listed.columns_of(&model.causes[k]);
     let sizes = listed.sizes(&model.causes);
     let mut effect = combined(plain.listed.base.rows(), &columns, &sizes[k].fit.estimates);
     plain.listed.base.project(&mut effect);

@@ -4,14 +4,17 @@
 //! wrong readings do not move as long as they are fewer than the others, and compared with the standard deviation of normal noise that
 //! leaves sizes of the same median ([`sigma_um`]).
 
+use trueaxis_effects::Level;
+
+use crate::Unexplained;
 use crate::engine::{first_lines, most};
-use crate::verification::base::{cells, count, passes};
+use crate::extremes::extremes;
+use crate::selection::Projection;
+use crate::verification::base::{cells, count, less_location, passes, sizes};
 use crate::verification::comparison::Comparison;
 use crate::verification::gross_errors::{MOST, MOST_IN_A_ROW};
+use crate::verification::noise_floor::SHORT_PASS;
 use crate::verification::problem::Problem;
-use crate::verification::resolution::resolution_um;
-use crate::{Unexplained, selection::Projection};
-use trueaxis_effects::Level;
 
 /// Standard deviations from which on a reading is far off: as many as a slip has at least.
 const FAR: f64 = 8.0;
@@ -22,17 +25,13 @@ const OF_MEDIAN: f64 = 1.4826;
 /// Medians of positions and of passes in turn.
 const SWEEPS: usize = 4;
 
-/// Passes of more readings have an offset of their own, as in [`super::noise_floor::scatter`].
-const SHORT_PASS: usize = 2;
-
 /// The arrivals that are far off in what is left of all, and by how much, µm, in their order.
 pub(crate) fn far_off(comparison: &Comparison<'_>, left_um: &[f64]) -> Vec<(usize, f64)> {
     let mut off = left_um[..comparison.arrivals.len()].to_vec();
     let Some(sigma_um) = sigma_um(&mut off, &cells(comparison), &passes(comparison)) else {
         return Vec::new();
     };
-    let values = comparison.arrivals.iter().map(|a| a.value_um);
-    let digit_um = 12.0_f64.sqrt() * resolution_um(values).unwrap_or_default();
+    let digit_um = 12.0_f64.sqrt() * comparison.resolution_um().unwrap_or_default();
     let far_um = FAR * sigma_um.max(digit_um);
     let all = off.into_iter().enumerate();
     all.filter(|(_, off)| off.abs() > far_um).collect()
@@ -57,7 +56,9 @@ fn sigma_um(off: &mut [f64], cells: &[usize], passes: &[usize]) -> Option<f64> {
         common = sides(cells, passes);
     }
     for _ in 0..SWEEPS {
-        groups.iter().for_each(|group| less_medians(off, group));
+        groups
+            .iter()
+            .for_each(|group| less_location(off, group, median));
     }
     let sizes: Vec<usize> = groups.iter().flat_map(|group| sizes(group)).collect();
     let freedom = (off.len() + common).checked_sub(sizes.len())?;
@@ -92,10 +93,7 @@ pub(crate) fn doubted(problem: &Problem<'_>, after: &Projection) -> Option<Unexp
         return None;
     }
     let sizes = || far.iter().map(|(_, off)| off.abs());
-    let (least, largest) = (
-        sizes().fold(f64::INFINITY, f64::min),
-        sizes().fold(0.0, f64::max),
-    );
+    let [least, largest] = extremes(sizes());
     let lines = far.iter().map(|(row, _)| comparison.arrivals[*row].line);
     Some(Unexplained {
         level: Level::Verification,
@@ -130,31 +128,14 @@ fn sides(cells: &[usize], passes: &[usize]) -> usize {
     side_of_cell.len()
 }
 
-/// How many there are of each number.
-fn sizes(numbers: &[usize]) -> Vec<usize> {
-    let mut sizes = vec![0; count(numbers)];
-    numbers.iter().for_each(|&number| sizes[number] += 1);
-    sizes
-}
-
-/// Takes the median of each group out.
-fn less_medians(x: &mut [f64], groups: &[usize]) {
-    let mut of_groups: Vec<Vec<f64>> = vec![Vec::new(); count(groups)];
-    for (x, &group) in x.iter().zip(groups) {
-        of_groups[group].push(*x);
-    }
-    let medians = of_groups.into_iter().map(|mut own| {
-        own.sort_by(f64::total_cmp);
-        let middle = own.len() / 2;
-        match own.len() {
-            0 => 0.0,
-            n if n % 2 == 0 => 0.5 * (own[middle - 1] + own[middle]),
-            _ => own[middle],
-        }
-    });
-    let medians: Vec<f64> = medians.collect();
-    for (x, &group) in x.iter_mut().zip(groups) {
-        *x -= medians[group];
+/// The median, of an even number the mean of the two in the middle.
+fn median(own: &mut [f64]) -> f64 {
+    own.sort_by(f64::total_cmp);
+    let middle = own.len() / 2;
+    match own.len() {
+        0 => 0.0,
+        n if n % 2 == 0 => 0.5 * (own[middle - 1] + own[middle]),
+        _ => own[middle],
     }
 }
 

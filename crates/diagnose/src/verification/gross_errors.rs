@@ -20,12 +20,11 @@ use trueaxis_campaign::Verification;
 
 use crate::engine::most;
 use crate::selection::{Projection, dot, ln_f_test};
-use crate::verification::base::{cells, passes};
+use crate::verification::base::{cells, passes, sizes};
 use crate::verification::comparison::Comparison;
 use crate::verification::doubted::{far_off, mistakes};
 use crate::verification::gross_error::{Contradicts, GrossError};
 use crate::verification::noise_floor::scatter;
-use crate::verification::resolution::resolution_um;
 
 /// Probability of leaving out anything of readings that are in order, for each file.
 pub(crate) const LEVEL: f64 = 1e-4;
@@ -77,8 +76,7 @@ pub(crate) fn gross_errors(
     let screen = Screen {
         model,
         comparison,
-        resolution_um: resolution_um(comparison.arrivals.iter().map(|a| a.value_um))
-            .unwrap_or_default(),
+        resolution_um: comparison.resolution_um().unwrap_or_default(),
     };
     let far = far_off(comparison, &comparison.difference_um);
     let are_many = mistakes(comparison, &far) > most as f64;
@@ -123,18 +121,12 @@ pub(crate) fn gross_errors(
             _ => Vec::new(),
         }
     };
-    let mut first = 0;
-    let first_readings = comparison.arrivals.iter().map(|arrival| {
-        let reading = first;
-        first += arrival.readings;
-        reading
-    });
-    let first_readings: Vec<usize> = first_readings.collect();
     let mut slips: Vec<(Slip, Contradicts)> = rows.into_iter().flat_map(slips).collect();
     slips.sort_by_key(|(slip, _)| slip.arrival);
     slips.dedup_by_key(|(slip, _)| slip.arrival);
     let said = slips.into_iter().flat_map(|(slip, contradicts)| {
-        let first = first_readings[slip.arrival];
+        let before = comparison.arrivals[..slip.arrival].iter();
+        let first: usize = before.map(|arrival| arrival.readings).sum();
         let readings = first..first + comparison.arrivals[slip.arrival].readings;
         let error = (slip.error_um, slip.u_um);
         readings.map(move |reading| GrossError::new(verification, reading, error, contradicts))
@@ -275,9 +267,10 @@ impl Screen<'_> {
     /// Whether positions were read by these alone from their side, twice each: nothing then tells which of the two is wrong.
     fn are_all_of_a_cell(&self, row: &[Slip], other: &Tested) -> bool {
         let cells = cells(self.comparison);
+        let sizes = sizes(&cells);
         let is_of_two = |(one, other): (&Slip, &Slip)| {
-            let of_cell = cells.iter().filter(|cell| **cell == cells[one.arrival]);
-            cells[one.arrival] == cells[other.arrival] && of_cell.count() == 2
+            let cell = cells[one.arrival];
+            cell == cells[other.arrival] && sizes[cell] == 2
         };
         // A pass there and one there again, or one there and one back from the same side, in the other order.
         let [first, second] = [row, &other.slips];

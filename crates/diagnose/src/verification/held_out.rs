@@ -14,7 +14,7 @@
 //! have in common. Whole passes would be too few: an effect of one pass is in one draw in three not there.
 
 use crate::Gain;
-use crate::engine::{Chosen, FOLDS, resampled_ratios, without};
+use crate::engine::{Candidate, Chosen, FOLDS, resampled_ratios, without};
 use crate::selection::Projection;
 use crate::verification::arrivals::is_same;
 use crate::verification::base::count;
@@ -58,21 +58,14 @@ pub(crate) fn held_out(problem: &Problem<'_>, causes: &[Chosen]) -> HeldOut {
     let mut variants = vec![causes.to_vec()];
     for (k, cause) in causes.iter().enumerate() {
         let candidate = &problem.listed.candidates[cause.candidate];
-        // More waves of a free form always fit the rest better.
-        if !candidate.hypothesis.has_shape() {
-            continue;
-        }
-        let shapes = &candidate.shapes;
-        for &shape in shapes.iter().filter(|shape| !is_same(**shape, cause.shape)) {
+        for shape in other_shapes(candidate, cause.shape) {
             let mut variant = causes.to_vec();
             variant[k].shape = shape;
             variants.push(variant);
         }
     }
-    let models: Vec<Projection> = variants
-        .iter()
-        .map(|v| problem.as_predicted.extended(&problem.listed.columns(v)))
-        .collect();
+    let with = |v: &Vec<Chosen>| problem.as_predicted.extended(&problem.listed.columns(v));
+    let models: Vec<Projection> = variants.iter().map(with).collect();
     let mut result = HeldOut {
         errors: vec![None; folds.len()],
         expected: vec![1.0; folds.len()],
@@ -89,6 +82,16 @@ pub(crate) fn held_out(problem: &Problem<'_>, causes: &[Chosen]) -> HeldOut {
         }
     }
     result
+}
+
+/// The shapes that may suit the rest better. More waves of a free form always do.
+pub(crate) fn other_shapes(candidate: &Candidate<'_>, shape: f64) -> impl Iterator<Item = f64> {
+    let shapes = match candidate.hypothesis.has_shape() {
+        true => &candidate.shapes[..],
+        false => &[],
+    };
+    let others = shapes.iter().copied();
+    others.filter(move |other| !is_same(*other, shape))
 }
 
 /// Prediction of a fold from the rest.
@@ -120,7 +123,6 @@ impl HeldOut {
 /// A gain with a bound of its ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct BoundedGain {
-    /// The gain.
     pub(crate) gain: Gain,
     /// The ratio is below this with a probability of nine in ten.
     pub(crate) upper_bound: f64,

@@ -14,6 +14,7 @@ use crate::verification::comparison::{COUPLING, Comparison, TIMESTAMP_OFFSET};
 use crate::verification::lost_motion;
 use crate::verification::one_side;
 use crate::verification::order::goes_against_its_sides;
+use crate::verification::whitening::Whitening;
 
 /// Time constants that are tried, in equal ratios.
 const TIME_CONSTANTS: i32 = 16;
@@ -52,7 +53,7 @@ const ECCENTRICITY: &str = "encoder_eccentricity";
 pub(crate) fn candidates<'a>(
     comparison: &'a Comparison<'a>,
     scene: &Scene,
-    whiten: impl Fn(Vec<f64>) -> Vec<f64> + Copy + Send + Sync + 'a,
+    whitening: Whitening<'a>,
 ) -> Vec<Candidate<'a>> {
     let mut all = Vec::new();
     let readings: usize = comparison.arrivals.iter().map(|a| a.readings).sum();
@@ -100,15 +101,14 @@ pub(crate) fn candidates<'a>(
             };
             let count = plausible.len();
             let columns = move |shape: f64| -> Vec<Vec<f64>> {
-                (0..count).map(|k| whiten(column(k, shape))).collect()
+                let whitened = (0..count).map(|k| whitening.whiten(&column(k, shape)));
+                whitened.collect()
             };
             let gaps_s = (effect.shape == Shape::Instant).then(|| gaps_s(comparison));
             let is_along = effect.id == lost_motion::EFFECT && subject.axis == comparison.line();
-            let straight = || (0..count).map(|k| column(k, 0.0)).collect::<Vec<_>>();
-            let sizes = match is_along {
-                true => lost_motion::sizes(comparison, &straight()),
-                false => Vec::new(),
-            };
+            let straight = is_along.then(|| [0, 1].map(|k| column(k, 0.0)));
+            let sizes = straight.as_ref();
+            let sizes = sizes.map(|straight| lost_motion::sizes(comparison, straight));
             let has_more = gaps_s.is_some() || is_continuous(effect.shape);
             all.push(Candidate {
                 hypothesis,
@@ -116,7 +116,7 @@ pub(crate) fn candidates<'a>(
                 shapes,
                 plausible: plausible.clone(),
                 is_free: false,
-                sizes,
+                sizes: sizes.unwrap_or_default(),
                 finer: has_more.then(|| Finer {
                     columns: Box::new(columns),
                     gaps_s,
@@ -127,28 +127,25 @@ pub(crate) fn candidates<'a>(
                     },
                 }),
             });
-            if effect.id != lost_motion::EFFECT || subject.axis != Some(comparison.axis()) {
+            let Some(straight) = straight else {
                 continue;
-            }
-            let straight = [column(0, 0.0), column(1, 0.0)];
+            };
             let numbers = lost_motion::numbers_of_waves(comparison);
             let most = numbers.last().copied().unwrap_or(0);
             let more = lost_motion::waves(comparison, &straight, most);
             let columns: Vec<Vec<f64>> = straight.into_iter().chain(more).collect();
             let sizes = lost_motion::sizes(comparison, &columns);
-            let columns: Vec<Vec<f64>> = columns.into_iter().map(whiten).collect();
-            if most > 0 {
-                let first = |k: &usize| columns[..count + k].to_vec();
-                all.push(Candidate {
-                    hypothesis,
-                    columns: numbers.iter().map(first).collect(),
-                    shapes: numbers.iter().map(|k| *k as f64).collect(),
-                    plausible,
-                    is_free: true,
-                    sizes,
-                    finer: None,
-                });
-            }
+            let columns: Vec<Vec<f64>> = columns.iter().map(|c| whitening.whiten(c)).collect();
+            let first = |k: &usize| columns[..count + k].to_vec();
+            all.extend((most > 0).then(|| Candidate {
+                hypothesis,
+                columns: numbers.iter().map(first).collect(),
+                shapes: numbers.iter().map(|k| *k as f64).collect(),
+                plausible,
+                is_free: true,
+                sizes,
+                finer: None,
+            }));
         }
     }
     all

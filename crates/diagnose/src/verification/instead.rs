@@ -4,7 +4,7 @@
 use crate::engine::{Candidate, Chosen, without};
 use crate::selection::{DECISIVE, Score};
 use crate::verification::lost_motion::{CONSTANT, EFFECT};
-use crate::verification::model::{Model, evidence, has, is_coupling, is_left, only};
+use crate::verification::model::{Model, evidence, has, is_coupling, is_left, of_causes};
 use crate::verification::problem::Problem;
 
 /// Effects that are tried, those with the most evidence.
@@ -76,10 +76,7 @@ fn as_good(
 ) -> Vec<Vec<Chosen>> {
     let mut as_good: Vec<Vec<Chosen>> = Vec::new();
     for own in instead {
-        let model = Model {
-            causes: [others, &own].concat(),
-            ..only(plain, Vec::new())
-        };
+        let model = of_causes(plain, [others, &own].concat());
         let has_more = as_good
             .iter()
             .any(|few| few.iter().all(|one| has(&model.causes, one)));

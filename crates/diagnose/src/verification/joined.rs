@@ -27,22 +27,19 @@ pub(crate) fn joint_cause(
         .u_shape
         .map_or(judged.score.u_shape, |u| u * variance.sqrt());
     let level = (scene, Level::Verification);
-    let hypothesis = listed.hypothesis(&causes[k]);
-    let along_it = members.flat_map(|number| {
+    let along_it = members.filter_map(|number| {
         let plain = &stack.all[number].plain;
-        let own = stack.members[causes[k].candidate][number];
-        let sizes = own.map_or(&[][..], |own| &plain.listed.candidates[own].sizes);
-        let positions = shown_along(plain.comparison, hypothesis);
-        positions.zip(sizes.iter().map(Vec::as_slice))
+        let own = stack.members[causes[k].candidate][number]?;
+        Some(shown_along(plain.comparison, &plain.listed.candidates[own]))
     });
-    let mut along_it: Vec<(f64, &[f64])> = along_it.collect();
+    let mut along_it: Vec<(f64, &[f64])> = along_it.flatten().collect();
     along_it.sort_by(|a, b| a.0.total_cmp(&b.0));
     along_it.dedup_by(|a, b| a.0.total_cmp(&b.0).is_eq());
-    let (curve, mean_lost_motion) = curve(&along_it, &sized.fit, variance).unzip();
+    let (curve, mean_lost_motion) = curve(&along_it, &sized.fit, variance);
     Some(Cause {
-        curve: curve.unwrap_or_default(),
+        curve,
         mean_lost_motion,
-        rivals: rivals(listed, &causes[k..=k], &judged),
+        rivals: rivals(listed, &judged),
         ..listed.cause(&judged, level, (&sized.fit, u_shape), variance)
     })
 }
@@ -57,37 +54,34 @@ pub(crate) fn join(entries: &mut [Entry], shared: &[Shared], all: &[Series<'_>])
         };
         let shown = (0..entries.len()).filter(|&number| shared.candidates[number].is_some());
         let places: Vec<(usize, usize)> = shown.filter_map(place).collect();
-        let of_each = |&(number, k): &(usize, usize)| {
-            let (entry, series) = (&entries[number], &all[number]);
-            (
-                entry,
-                &entry.causes[k],
-                entry.report.shares.causes[k],
-                series,
-            )
-        };
-        let of_each: Vec<_> = places.iter().map(of_each).collect();
-        if of_each.len() < 2 {
+        if places.len() < 2 {
             continue;
         }
-        let readings = |series: &Series<'_>| series.plain.readings() as f64;
-        let squares = |series: &Series<'_>| series.plain.listed.base.squares();
-        let mean = |value: &dyn Fn(&Cause, f64) -> f64, weight: &dyn Fn(&Series<'_>) -> f64| {
-            let all = of_each.iter();
-            let sum: f64 = all
-                .clone()
-                .map(|(_, c, share, s)| value(c, *share) * weight(s))
-                .sum();
-            sum / all.map(|(.., s)| weight(s)).sum::<f64>()
+        // Over those that show it, of values with their weights.
+        let mean = |of: &dyn Fn(usize, usize) -> [f64; 2]| {
+            let all = places.iter().map(|&(number, k)| of(number, k));
+            let [sum, weights] = all.fold([0.0; 2], |[sum, weights], [x, w]| {
+                [sum + x * w, weights + w]
+            });
+            sum / weights
         };
+        let square_um = mean(&|number, k| {
+            let square_um = entries[number].causes[k].explained_rms_um.powi(2);
+            [square_um, all[number].plain.readings() as f64]
+        });
+        let share = mean(&|number, k| {
+            let share = entries[number].report.shares.causes[k];
+            [share, all[number].plain.listed.base.squares()]
+        });
+        let reports = places.iter().map(|(number, _)| &entries[*number].report);
+        let own = places
+            .iter()
+            .map(|&(number, k)| (&entries[number], &entries[number].causes[k]));
         let cause = Cause {
-            data: of_each
-                .iter()
-                .map(|(entry, ..)| entry.report.data.clone())
-                .collect(),
-            explained_rms_um: mean(&|c, _| c.explained_rms_um.powi(2), &readings).sqrt(),
-            share: Some(mean(&|_, share| share, &squares)),
-            fitted: panels(of_each.iter().map(|(entry, cause, ..)| (*entry, *cause))),
+            data: reports.map(|report| report.data.clone()).collect(),
+            explained_rms_um: square_um.sqrt(),
+            share: Some(share),
+            fitted: panels(own),
             ..shared.cause.clone()
         };
         for (number, k) in places {

@@ -10,7 +10,7 @@
 //! exactly as if the model had been fitted to the rest. Readings whose prediction would need unknowns that only they determine
 //! have none.
 
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use crate::selection::Projection;
 
@@ -20,9 +20,9 @@ const DETERMINED: f64 = 1e-8;
 /// A model without some of its rows.
 pub(crate) struct LeftOut {
     pub(crate) rows: Vec<usize>,
-    /// `T_h` along the eigenvectors of `I - T_hᵀ T_h`.
-    along: DMatrix<f64>,
-    eigenvalues: Vec<f64>,
+    /// `T_h` along the eigenvectors of `I - T_hᵀ T_h` that the rest determines, with their eigenvalues, and along the others.
+    along: Vec<(DVector<f64>, f64)>,
+    only_here: Vec<(DVector<f64>, f64)>,
 }
 
 impl LeftOut {
@@ -30,10 +30,14 @@ impl LeftOut {
         let width = model.shared_width;
         let t = DMatrix::from_fn(rows.len(), width, |i, k| model.shared_row(rows[i])[k]);
         let eigen = SymmetricEigen::new(DMatrix::identity(width, width) - t.transpose() * &t);
+        let turned = &t * &eigen.eigenvectors;
+        let columns = turned.column_iter().map(|column| column.into_owned());
+        let all = columns.zip(eigen.eigenvalues.iter().copied());
+        let (along, only_here) = all.partition(|(_, value)| *value >= DETERMINED);
         Self {
             rows,
-            along: &t * &eigen.eigenvectors,
-            eigenvalues: eigen.eigenvalues.iter().copied().collect(),
+            along,
+            only_here,
         }
     }
 
@@ -41,13 +45,9 @@ impl LeftOut {
     pub(crate) fn errors(&self, projected: &[f64]) -> Vec<f64> {
         let e: Vec<f64> = self.rows.iter().map(|&row| projected[row]).collect();
         let mut errors = e.clone();
-        for (k, &value) in self.eigenvalues.iter().enumerate() {
-            if value < DETERMINED {
-                continue;
-            }
-            let column = self.along.column(k);
+        for (column, value) in &self.along {
             let product: f64 = column.iter().zip(&e).map(|(c, e)| c * e).sum();
-            for (error, c) in errors.iter_mut().zip(&column) {
+            for (error, c) in errors.iter_mut().zip(column) {
                 *error += c * product / value;
             }
         }
@@ -62,14 +62,9 @@ impl LeftOut {
 
     /// The errors of those rows that the rest predicts.
     pub(crate) fn determined(&self, errors: Vec<f64>) -> Vec<Option<f64>> {
-        let of_rest = self.eigenvalues.iter().enumerate();
-        let only_here: Vec<usize> = of_rest
-            .filter(|(_, value)| **value < DETERMINED)
-            .map(|(k, _)| k)
-            .collect();
         let is_determined = |i: usize| {
-            let of = |&k: &usize| self.along[(i, k)] * self.along[(i, k)];
-            only_here.iter().all(|k| of(k) <= DETERMINED)
+            let mut only_here = self.only_here.iter();
+            only_here.all(|(column, _)| column[i] * column[i] <= DETERMINED)
         };
         let errors = errors.into_iter().enumerate();
         errors
@@ -80,11 +75,8 @@ impl LeftOut {
     /// Variances of the errors where the noise has variance one.
     pub(crate) fn expected(&self) -> Vec<f64> {
         let mut expected = vec![1.0; self.rows.len()];
-        for (k, &value) in self.eigenvalues.iter().enumerate() {
-            if value < DETERMINED {
-                continue;
-            }
-            for (sum, c) in expected.iter_mut().zip(&self.along.column(k)) {
+        for (column, value) in &self.along {
+            for (sum, c) in expected.iter_mut().zip(column) {
                 *sum += c * c / value;
             }
         }

@@ -8,12 +8,11 @@
 //! slope keep their meaning. How many waves there are is the shape of the hypothesis; they cost it their rank.
 
 use nalgebra::{DMatrix, DVector};
-use trueaxis_campaign::VerificationKind;
 use trueaxis_effects::LOST_MOTION;
 use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::dense::Svd;
 
-use crate::engine::{Candidate, Chosen, MOST_OF_FREEDOM, SMOOTH_LEVEL};
+use crate::engine::{Candidate, Chosen, MOST_OF_FREEDOM, SMOOTH_LEVEL, most};
 use crate::selection::{Fit, Hypothesis, ln_f_test};
 use crate::verification::base::{count, places};
 use crate::verification::comparison::Comparison;
@@ -35,21 +34,12 @@ const SMOOTH: usize = 6;
 /// third power.
 const MOST_WAVES: usize = 40;
 
-/// The numbers of waves beside mean and slope that are tried: up to as many as the positions that were reached from both sides
+/// The numbers of waves beside mean and slope that are tried on a line: up to as many as the positions that were reached from both sides
 /// determine, so that a function that is anything at each of them is among them, as far as the repeats tell it from noise.
 pub(crate) fn numbers_of_waves(comparison: &Comparison<'_>) -> Vec<usize> {
-    let VerificationKind::Positioning { .. } = comparison.kind else {
-        return Vec::new();
-    };
     let both = reached_from_both_sides(comparison).len();
     let freedom = comparison.arrivals.len() - count(&places(comparison));
-    let most_of_freedom = (MOST_OF_FREEDOM * freedom as f64).floor();
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a count"
-    )]
-    let told = both.min(most_of_freedom as usize).saturating_sub(2);
+    let told = both.min(most(MOST_OF_FREEDOM, freedom)).saturating_sub(2);
     let smooth = both.saturating_sub(2).min(SMOOTH);
     let most = told.min(MOST_WAVES);
     let rough = std::iter::successors(Some(smooth), |k| Some((2 * k).min(most)));
@@ -112,8 +102,11 @@ pub(crate) fn waves(
     let rows = of_unit.len();
     let straight = DMatrix::from_fn(rows, 2, |i, k| [of_unit[i], of_slope[i]][k]);
     let inverse = Svd::new(&straight).map(|svd| svd.pseudo_inverse(PROPORTIONAL * svd.largest()));
-    let waves = comparison.waves_of_position(count + 1).into_iter().skip(1);
+    let most = u32::try_from(count + 1).unwrap_or(u32::MAX);
+    let waves = comparison.waves_of_position(most, vec![0; rows]);
     waves
+        .into_iter()
+        .skip(1)
         .map(|wave| {
             let column = DVector::from_fn(rows, |i, _| of_unit[i] * wave[i]);
             let rest = match &inverse {
@@ -133,32 +126,37 @@ pub(crate) fn sizes(comparison: &Comparison<'_>, columns: &[Vec<f64>]) -> Vec<Ve
     rows.map(size).collect()
 }
 
-/// The positions at which readings show how lost motion changes along their linear axis: those reached from both sides.
-pub(crate) fn shown_along(
+/// The positions at which readings show how lost motion changes along their linear axis, those reached from both sides, with its
+/// [`sizes`] there.
+pub(crate) fn shown_along<'c>(
     comparison: &Comparison<'_>,
-    cause: &Hypothesis,
-) -> impl Iterator<Item = f64> {
+    cause: &'c Candidate<'_>,
+) -> impl Iterator<Item = (f64, &'c [f64])> {
+    let Hypothesis {
+        effect, subject, ..
+    } = cause.hypothesis;
     let axis = comparison.line().filter(|&axis| {
-        cause.effect.id == EFFECT
-            && cause.subject.axis == Some(axis)
+        effect.id == EFFECT
+            && subject.axis == Some(axis)
             && comparison.machine.axes()[axis].kind() == AxisKind::Linear
     });
-    axis.into_iter().flat_map(move |axis| {
+    let positions = axis.into_iter().flat_map(move |axis| {
         let arrivals = reached_from_both_sides(comparison).into_iter();
         arrivals.map(move |row| comparison.arrivals[row].positions[axis])
-    })
+    });
+    positions.zip(cause.sizes.iter().map(Vec::as_slice))
 }
 
 /// The function at some positions ([`sizes`]), and its mean over these, the opposite of the mean reversal value of ISO 230-2: `fit` is
-/// that of the cause, for observations of this variance. None without positions.
+/// that of the cause, for observations of this variance. Nothing without positions.
 pub(crate) fn curve(
     shown: &[(f64, &[f64])],
     fit: &Fit,
     variance: f64,
-) -> Option<(Vec<CurvePoint>, EstimatedParameter)> {
+) -> (Vec<CurvePoint>, Option<EstimatedParameter>) {
     let n = fit.estimates.len();
     if shown.is_empty() {
-        return None;
+        return (Vec::new(), None);
     }
     let estimates = DVector::from_column_slice(&fit.estimates);
     let covariance = DMatrix::from_row_slice(n, n, &fit.covariance) * variance;
@@ -186,5 +184,5 @@ pub(crate) fn curve(
         u,
         unit: "um",
     };
-    Some((curve, mean))
+    (curve, Some(mean))
 }

@@ -27,6 +27,14 @@ pub(crate) fn only<'a>(plain: &Problem<'a>, wandering: Vec<FittedProcess>) -> Mo
     }
 }
 
+/// Only causes.
+pub(crate) fn of_causes<'a>(plain: &Problem<'a>, causes: Vec<Chosen>) -> Model<'a> {
+    Model {
+        causes,
+        ..only(plain, Vec::new())
+    }
+}
+
 /// Whether a cause is among some, whatever its shape.
 pub(crate) fn has(causes: &[Chosen], own: &Chosen) -> bool {
     causes.iter().any(|cause| cause.candidate == own.candidate)

@@ -14,24 +14,30 @@
 use trueaxis_campaign::VerificationKind;
 
 use crate::selection::Projection;
-use crate::verification::base::{cells, count, indicators, passes, set_up};
+use crate::verification::base::{
+    cells, count, indicators, less_location, passes, set_up, sizes, times,
+};
 use crate::verification::comparison::Comparison;
 
 /// A standard deviation from fewer degrees of freedom is uncertain by more than a quarter.
 const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
 
+/// Passes of more readings have an offset of their own ([`scatter`]).
+pub(crate) const SHORT_PASS: usize = 2;
+
 /// Standard deviation of one arrival, µm; `None` without enough repeats.
 pub(crate) fn noise_floor_um(comparison: &Comparison<'_>) -> Option<f64> {
     let cells = cells(comparison);
-    let count = count(&cells);
-    let mut readings = comparison.difference_um.clone();
-    centre(&mut readings, &cells, count);
-    let mut columns = pass_columns(comparison, true);
-    for column in &mut columns {
-        centre(column, &cells, count);
-    }
-    let left = Projection::dense(readings, &columns);
-    let degrees_of_freedom = left.degrees_of_freedom - count as f64;
+    let centred = |mut column: Vec<f64>| {
+        less_location(&mut column, &cells, |own| {
+            own.iter().sum::<f64>() / own.len() as f64
+        });
+        column
+    };
+    let of_passes = pass_columns(comparison, true).into_iter().map(centred);
+    let columns: Vec<Vec<f64>> = of_passes.collect();
+    let left = Projection::dense(centred(comparison.difference_um.clone()), &columns);
+    let degrees_of_freedom = left.degrees_of_freedom - count(&cells) as f64;
     (degrees_of_freedom >= LEAST_DEGREES_OF_FREEDOM)
         .then(|| (left.squares() / degrees_of_freedom).sqrt())
 }
@@ -47,9 +53,8 @@ pub(crate) fn repeats(comparison: &Comparison<'_>) -> f64 {
 /// no pass is longer, as in a test of repeatability, there is none, and readings are seen against those of the other passes.
 pub(crate) fn scatter(comparison: &Comparison<'_>) -> Option<Projection> {
     let mut columns = indicators(&cells(comparison));
-    let passes = passes(comparison);
-    let in_pass = |pass: usize| passes.iter().filter(|of| **of == pass).count();
-    if (0..count(&passes)).any(|pass| in_pass(pass) > 2) {
+    let mut in_passes = sizes(&passes(comparison)).into_iter();
+    if in_passes.any(|readings| readings > SHORT_PASS) {
         columns.extend(pass_columns(comparison, false));
     }
     let left = Projection::dense(comparison.difference_um.clone(), &columns);
@@ -70,25 +75,9 @@ pub(crate) fn pass_columns(comparison: &Comparison<'_>, with_slope: bool) -> Vec
         }
         VerificationKind::Ballbar { .. } => set_up(comparison),
     };
-    let passes = passes(comparison);
-    let mut columns = Vec::new();
-    for pass in 0..=passes.iter().copied().max().unwrap_or_default() {
-        for shape in &shapes {
-            let cut = |(row, x): (usize, &f64)| if passes[row] == pass { *x } else { 0.0 };
-            columns.push(shape.iter().enumerate().map(cut).collect());
-        }
-    }
-    columns
-}
-
-/// Takes the mean of each cell out.
-fn centre(x: &mut [f64], cells: &[usize], count: usize) {
-    let mut sums = vec![(0.0, 0.0); count];
-    for (x, &cell) in x.iter().zip(cells) {
-        sums[cell].0 += x;
-        sums[cell].1 += 1.0;
-    }
-    for (x, &cell) in x.iter_mut().zip(cells) {
-        *x -= sums[cell].0 / sums[cell].1;
-    }
+    let passes = indicators(&passes(comparison)).into_iter();
+    let of_pass = |pass: Vec<f64>| -> Vec<Vec<f64>> {
+        shapes.iter().map(|shape| times(shape, &pass)).collect()
+    };
+    passes.flat_map(of_pass).collect()
 }

@@ -1,8 +1,7 @@
 //! Effects that a verification cannot show. They may be there all the same.
 
-use trueaxis_effects::{Effect, Scene, Shape, Subject};
+use trueaxis_effects::{Effect, Parameter, Scene, Shape, Subject};
 use trueaxis_files::round;
-use trueaxis_kinematics::AxisKind;
 
 use crate::NotObservable;
 use crate::engine::in_words;
@@ -29,20 +28,18 @@ pub(crate) fn not_observable(
             continue;
         }
         let bias = largest(problem, scene, effect, &subject);
-        let reason = if !is_of_both_sides(problem.comparison, effect.id, &subject) {
-            format!("{name}: the axis came from one side only")
+        let why = if !is_of_both_sides(problem.comparison, effect.id, &subject) {
+            "the axis came from one side only".to_owned()
         } else if bias.is_empty() {
-            format!("{name}: {}", not_reached(problem, effect, &subject))
+            not_reached(problem, effect, &subject).to_owned()
         } else {
-            format!(
-                "{name}: {}",
-                absorbed(problem.comparison, problem.calibrated)
-            ) + " absorbs all that it does"
+            let absorbed = absorbed(problem.comparison, problem.calibrated);
+            format!("{absorbed} absorbs all that it does")
         };
         all.push(NotObservable {
             effect: effect.id,
             subject: in_words(&subject, scene),
-            reason,
+            reason: format!("{name}: {why}"),
             bias_per_unit: bias,
             measure: effect.explanation.separate_by.to_owned(),
         });
@@ -72,26 +69,17 @@ fn largest(
     let shape = match effect.shape {
         Shape::Fixed => 0.0,
         Shape::Instant => f64::NEG_INFINITY,
-        Shape::TimeConstant | Shape::SettlingTime | Shape::Lag | Shape::Period | Shape::Waves => {
-            1.0
-        }
+        _ => 1.0,
     };
-    let mut all = Vec::new();
-    for (k, parameter) in effect.parameters(scene, subject).iter().enumerate() {
+    let parameters = effect.parameters(scene, subject).into_iter().enumerate();
+    let largest = parameters.filter_map(|(k, Parameter { name, unit, .. })| {
         let column = problem.comparison.column(effect, subject, k, shape);
         let largest = column.iter().fold(0.0_f64, |max, x| max.max(x.abs()));
-        if largest > REACHES_UM {
-            all.push((
-                "reading".to_owned(),
-                format!(
-                    "{largest:.3} um per {} of {}",
-                    problem.comparison.unit_of(parameter.unit),
-                    parameter.name
-                ),
-            ));
-        }
-    }
-    all
+        let unit = problem.comparison.unit_of(unit);
+        let said = format!("{largest:.3} um per {unit} of {name}");
+        (largest > REACHES_UM).then(|| ("reading".to_owned(), said))
+    });
+    largest.collect()
 }
 
 /// A periodic error is seen down to two steps only.
@@ -104,17 +92,14 @@ fn too_short(
 ) -> Option<NotObservable> {
     let axis = subject.axis.filter(|_| effect.shape == Shape::Period)?;
     let [_, step] = sampling(problem.comparison, axis)?;
-    let content = &scene.machine.axes()[axis];
-    let (shortest, unit) = match content.kind() {
-        AxisKind::Linear => (2.0 * step, "mm"),
-        AxisKind::Rotary => (2.0 * step.to_degrees(), "deg"),
-    };
+    let kind = scene.machine.axes()[axis].kind();
     Some(NotObservable {
         effect: effect.id,
         subject: in_words(subject, scene),
         reason: format!(
-            "{name}: periods below {} {unit}, two steps of the readings",
-            round(shortest, 4)
+            "{name}: periods below {} {}, two steps of the readings",
+            round(2.0 * kind.position_in_file(step), 4),
+            kind.position_unit()
         ),
         bias_per_unit: Vec::new(),
         measure:

@@ -17,36 +17,28 @@ use trueaxis_files::told_period;
 
 use crate::engine::{Family, MOST_OF_FREEDOM, Omnibus};
 use crate::selection::Projection;
-use crate::verification::base::{count, cycles, indicators, lines};
+use crate::verification::base::{count, cycles, indicators, lines, times};
 use crate::verification::comparison::Comparison;
 use crate::verification::problem::Problem;
+use crate::verification::whitening::Whitening;
 
 /// The sides of approach differ by what changes with time.
 pub(crate) const IN_TIME: &str = "direction in time";
 
 /// Waves of each family.
-const WAVES: usize = 6;
+const WAVES: u32 = 6;
 
 /// All families, whitened.
-pub(crate) fn families(
-    comparison: &Comparison<'_>,
-    whiten: impl Fn(&[f64]) -> Vec<f64>,
-) -> Vec<Family> {
+pub(crate) fn families(comparison: &Comparison<'_>, whitening: Whitening<'_>) -> Vec<Family> {
     let arrivals = &comparison.arrivals;
-    let over =
-        |f: &dyn Fn(f64) -> f64| arrivals.iter().map(|a| f(a.progress)).collect::<Vec<f64>>();
-    let mut time = vec![over(&|t| t)];
-    for k in 1..=WAVES {
-        time.push(over(&|t| (TAU * k as f64 * t).sin()));
-        time.push(over(&|t| (TAU * k as f64 * t).cos()));
-    }
+    let progress: Vec<f64> = arrivals.iter().map(|a| a.progress).collect();
+    let mut time = vec![progress.clone()];
+    time.extend((1..=WAVES).flat_map(|k| wave(&progress, TAU * f64::from(k))));
     let position = position_columns(comparison);
-    let lines = indicators(&lines(comparison));
-    let by_line = lines
-        .iter()
-        .flat_map(|line| position.iter().map(|c| times(c, line)));
-    let by_line: Vec<Vec<f64>> = match comparison.kind {
-        VerificationKind::Positioning { .. } => by_line.collect(),
+    let by_line = match comparison.kind {
+        VerificationKind::Positioning { .. } => {
+            comparison.waves_of_position(WAVES, lines(comparison))
+        }
         VerificationKind::Ballbar { .. } => position.clone(),
     };
     let direction: Vec<f64> = arrivals.iter().map(|a| a.direction).collect();
@@ -58,8 +50,8 @@ pub(crate) fn families(
     let is_of_both = direction.windows(2).any(|two| two[0] * two[1] < 0.0);
     let waves = if is_of_both { WAVES } else { 0 };
     let of_direction_in_time = (1..=waves).map(|k| {
-        let wave = over(&|t| (PI * k as f64 * t).cos());
-        times(&wave, &direction)
+        let [_, cosine] = wave(&progress, PI * f64::from(k));
+        times(&cosine, &direction)
     });
     let of_direction_in_time = of_direction_in_time.collect();
     let cycles = indicators(&cycles(comparison));
@@ -67,7 +59,7 @@ pub(crate) fn families(
     let of_cycle = cycles.iter().cloned().chain(tilted).collect();
     let family = |varies_with, columns: Vec<Vec<f64>>| Family {
         varies_with,
-        columns: columns.iter().map(|c| whiten(c)).collect(),
+        columns: columns.iter().map(|c| whitening.whiten(c)).collect(),
     };
     vec![
         family("time", time),
@@ -81,17 +73,18 @@ pub(crate) fn families(
 /// Columns that vary with the position along the line or around the circle.
 fn position_columns(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
     match comparison.kind {
-        VerificationKind::Positioning { .. } => comparison.waves_of_position(WAVES),
-        VerificationKind::Ballbar { .. } => {
-            let angles = &comparison.around;
-            let wave = |k: usize, f: fn(f64) -> f64| {
-                angles.iter().map(|angle| f(k as f64 * angle)).collect()
-            };
-            (2..=WAVES + 1)
-                .flat_map(|k| [wave(k, f64::sin), wave(k, f64::cos)])
-                .collect()
+        VerificationKind::Positioning { .. } => {
+            comparison.waves_of_position(WAVES, vec![0; comparison.arrivals.len()])
         }
+        VerificationKind::Ballbar { .. } => (2..=WAVES + 1)
+            .flat_map(|k| wave(&comparison.around, f64::from(k)))
+            .collect(),
     }
+}
+
+/// Sine and cosine of a multiple of something.
+fn wave(of: &[f64], multiple: f64) -> [Vec<f64>; 2] {
+    [f64::sin, f64::cos].map(|f| of.iter().map(|x| f(multiple * x)).collect())
 }
 
 /// The tests of a model; p-values family-wise over all of them.
@@ -117,19 +110,16 @@ fn period(problem: &Problem<'_>, model: &Projection) -> Option<String> {
     let duration = arrivals.iter().map(|a| a.elapsed_s).fold(0.0, f64::max);
     let best = best_waves(problem, model).filter(|&waves| waves > 1)?;
     let unit = problem.comparison.unit_of("s");
-    Some(told_period(duration / best as f64, unit))
+    Some(told_period(duration / f64::from(best), unit))
 }
 
 /// Waves over the table that explain most.
-fn best_waves(problem: &Problem<'_>, model: &Projection) -> Option<usize> {
-    let arrivals = &problem.comparison.arrivals;
-    let drop = |k: usize| {
-        let wave = |f: fn(f64) -> f64| {
-            let column = arrivals.iter().map(|a| f(TAU * k as f64 * a.progress));
-            problem.whiten(&column.collect::<Vec<_>>())
-        };
-        let with = model.extended(&[wave(f64::sin), wave(f64::cos)]);
-        model.squares() - with.squares()
+fn best_waves(problem: &Problem<'_>, model: &Projection) -> Option<u32> {
+    let arrivals = problem.comparison.arrivals.iter();
+    let progress: Vec<f64> = arrivals.map(|a| a.progress).collect();
+    let drop = |k: u32| {
+        let wave = wave(&progress, TAU * f64::from(k)).map(|column| problem.whiten(&column));
+        model.squares() - model.extended(&wave).squares()
     };
     let drops = (1..=WAVES).map(|k| (k, drop(k)));
     let best = drops.max_by(|a, b| a.1.total_cmp(&b.1));
@@ -143,15 +133,11 @@ pub(crate) fn differs_by_cycle(problem: &Problem<'_>) -> bool {
 }
 
 /// Passes from which on something repeats.
-const LEAST_PASSES: usize = 3;
+const LEAST_PASSES: u32 = 3;
 
 /// Whether the period that explains most is a pass, or a cycle there and back: a function of position and side of approach has it.
 pub(crate) fn repeats_with_cycle(problem: &Problem<'_>, model: &Projection) -> bool {
-    let passes = count(&problem.comparison.passes);
-    let is_of_passes = |waves: usize| waves == passes || 2 * waves == passes;
+    let passes = u32::try_from(count(&problem.comparison.passes)).unwrap_or(u32::MAX);
+    let is_of_passes = |waves: u32| [waves, 2 * waves].contains(&passes);
     passes >= LEAST_PASSES && best_waves(problem, model).is_some_and(is_of_passes)
-}
-
-fn times(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a * b).collect()
 }

@@ -6,6 +6,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::extremes::extremes;
 use crate::selection::{Fit, Projection, ln_f_test};
 use crate::verification::arrivals::is_same;
 use crate::verification::base::stands;
@@ -45,8 +46,7 @@ pub(crate) fn doubt(comparison: &Comparison<'_>) -> Option<String> {
     let of_pairs = |f: &dyn Fn([usize; 2]) -> f64| pairs().map(f).collect::<Vec<f64>>();
     let count = pairs().count();
     let later_s = of_pairs(&|[a, b]| arrivals[b].elapsed_s - arrivals[a].elapsed_s);
-    let shortest_s = later_s.iter().copied().fold(f64::INFINITY, f64::min);
-    let longest_s = later_s.iter().copied().fold(0.0, f64::max);
+    let [shortest_s, longest_s] = extremes(later_s.iter().copied());
     if count < LEAST_PAIRS
         || (count as f64) < MOST_OF_ALL * visits.len() as f64
         || shortest_s > THERE_AND_BACK * longest_s

@@ -14,9 +14,8 @@ use std::borrow::Cow;
 
 use crate::engine::{Chosen, FOLDS};
 use crate::selection::{Gram, add, dot};
-use crate::verification::arrivals::is_same;
 use crate::verification::base::count;
-use crate::verification::held_out::{BoundedGain, gain_of_blocks, pass_blocks};
+use crate::verification::held_out::{BoundedGain, gain_of_blocks, other_shapes, pass_blocks};
 use crate::verification::left_out::LeftOut;
 use crate::verification::series::Series;
 use crate::verification::stack::Stack;
@@ -49,12 +48,8 @@ impl Stack<'_> {
     /// What a cause with one size for all gains beside the others; `causes` are those of each series.
     pub(crate) fn gain_of(&self, cause: &Chosen, causes: &[Vec<Chosen>]) -> Option<BoundedGain> {
         let candidate = &self.listed.candidates[cause.candidate];
-        let mut shapes = vec![cause.shape];
-        if candidate.hypothesis.has_shape() {
-            let others = candidate.shapes.iter();
-            shapes.extend(others.filter(|shape| !is_same(**shape, cause.shape)));
-        }
-        let columns = shapes.iter().map(|s| candidate.columns(*s));
+        let shapes = std::iter::once(cause.shape).chain(other_shapes(candidate, cause.shape));
+        let columns = shapes.map(|shape| candidate.columns(shape));
         let columns: Vec<Cow<'_, [Vec<f64>]>> = columns.collect();
         let showing = (0..self.all.len()).filter_map(|number| {
             let own = self.members[cause.candidate][number]?;

@@ -7,6 +7,7 @@
 //! ISO 230-2: cycle by cycle, forward by rising position, then backward by falling.
 
 use std::cmp::Reverse;
+use std::collections::HashSet;
 
 use trueaxis_campaign::{Direction, Verification, VerificationReading};
 use trueaxis_predict::positioning_lines;
@@ -222,25 +223,19 @@ fn stops(comparison: &Comparison<'_>) -> impl Iterator<Item = Stop> {
 /// Whether all rows of a position follow each other, from either side in turn.
 fn is_step_cycle(stops: &[Stop]) -> bool {
     let of_position = || stops.chunk_by(|a, b| is_same(a.at, b.at));
-    let mut positions: Vec<f64> = of_position().map(|stops| stops[0].at).collect();
-    let count = positions.len();
-    positions.sort_by(f64::total_cmp);
-    positions.dedup_by(|a, b| is_same(*a, *b));
+    let mut seen = HashSet::new();
+    let mut positions = of_position().map(|stops| stops[0].at.to_bits());
     let take_turns = |stops: &[Stop]| {
         stops
             .windows(2)
             .all(|two| two[0].direction != two[1].direction)
     };
-    positions.len() == count && of_position().all(take_turns)
+    positions.all(|at| seen.insert(at)) && of_position().all(take_turns)
 }
 
 /// Whether a position is given more than once from one side in one cycle, other than in rows that follow each other.
 fn is_any_again(stops: &[Stop]) -> bool {
-    let mut sorted: Vec<(u32, i8, f64)> = stops
-        .iter()
-        .map(|stop| (stop.cycle, stop.direction.sign(), stop.at))
-        .collect();
-    sorted.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
-    let is = |a: &(u32, i8, f64), b: &(u32, i8, f64)| (a.0, a.1) == (b.0, b.1) && is_same(a.2, b.2);
-    sorted.windows(2).any(|two| is(&two[0], &two[1]))
+    let mut seen = HashSet::new();
+    let mut keys = stops.iter().map(|s| (s.cycle, s.direction, s.at.to_bits()));
+    !keys.all(|key| seen.insert(key))
 }

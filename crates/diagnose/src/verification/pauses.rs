@@ -86,11 +86,7 @@ pub(crate) fn by_pauses(
     let rivals = match vanishing {
         [true, true] => {
             let names = Wanderer::Instrument.names(comparison);
-            let with_time = |name: Wanderer| Rival::Disturbance {
-                whose: name.whose(comparison),
-                evidence,
-            };
-            names.map(with_time).collect()
+            names.map(|name| name.rival(comparison, evidence)).collect()
         }
         [false, true] if own.effect.id == EFFECT => constant(&paused, &without_time, number),
         _ => Vec::new(),

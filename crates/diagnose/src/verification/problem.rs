@@ -11,19 +11,22 @@
 use std::sync::Arc;
 
 use trueaxis_effects::Scene;
+use trueaxis_predict::CalibratedMachine;
 
 use crate::engine::{Chosen, Family, Listed};
 use crate::selection::Projection;
+use crate::verification::autocorrelation::Noise;
+use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
 use crate::verification::held_out::folds;
 use crate::verification::hypotheses::candidates;
 use crate::verification::omnibus::families;
+use crate::verification::prediction_error::prediction_directions;
 use crate::verification::wandering::FittedProcess;
 use crate::verification::whitening::Whitening;
 
 /// What there is to explain, and what may explain it.
 pub(crate) struct Problem<'a> {
-    /// The data.
     pub(crate) comparison: &'a Comparison<'a>,
     /// Whether the prediction is that of a calibration.
     pub(crate) calibrated: bool,
@@ -52,63 +55,60 @@ pub(crate) struct Problem<'a> {
     pub(crate) level: f64,
 }
 
-/// What a comparison is whitened with: columns over the readings in µm per unit.
-pub(crate) struct Given<'a> {
-    pub(crate) calibrated: bool,
-    /// Of false alarms.
-    pub(crate) level: f64,
-    pub(crate) sigma_um: f64,
-    /// Of arrivals that follow each other.
-    pub(crate) correlation: f64,
-    /// Standard uncertainty from the last digit, and what that hides of the noise.
-    pub(crate) resolution_um: f64,
-    pub(crate) hidden_um: f64,
-    pub(crate) base: &'a [Vec<f64>],
-    /// Of the prediction's own errors.
-    pub(crate) prediction: &'a [Vec<f64>],
-}
-
 impl<'a> Problem<'a> {
-    pub(crate) fn new(comparison: &'a Comparison<'a>, scene: &Scene, given: &Given<'_>) -> Self {
-        let sigma_um = given.sigma_um;
+    /// With the standard uncertainty from the last digit, and what that hides of the noise; `level` is that of false alarms.
+    pub(crate) fn new(
+        comparison: &'a Comparison<'a>,
+        scene: &Scene,
+        calibration: Option<&CalibratedMachine>,
+        level: f64,
+        Noise {
+            sigma_um,
+            correlation,
+        }: Noise,
+        (resolution_um, hidden_um): (f64, f64),
+    ) -> Self {
+        let prediction = calibration.map(|c| prediction_directions(&[comparison], c, sigma_um));
+        let prediction = prediction.unwrap_or_default();
         let whitening = Whitening {
             lags: &comparison.lags,
             sigma_um,
-            correlation: given.correlation,
-            pseudo: given.prediction.len(),
+            correlation,
+            pseudo: prediction.len(),
         };
-        let whiten = move |column: &[f64]| whitening.whiten(column);
-        let mut columns: Vec<Vec<f64>> = given.base.iter().map(|c| whiten(c)).collect();
+        let whiten = |column: &Vec<f64>| whitening.whiten(column);
+        let base = base_columns(comparison, calibration.is_some());
+        let mut columns: Vec<Vec<f64>> = base.iter().map(whiten).collect();
         let observations = whiten(&comparison.difference_um);
         let as_predicted = Projection::dense(observations.clone(), &columns);
         let mut variance = 0.0;
-        for direction in given.prediction {
+        for direction in &prediction {
             let mut own = whiten(direction);
             as_predicted.project(&mut own);
             let readings = whitening.um(&own).into_iter();
             variance += readings.map(|x| x * x).sum::<f64>() / direction.len() as f64;
         }
-        for (k, direction) in given.prediction.iter().enumerate() {
+        for (k, direction) in prediction.iter().enumerate() {
             let mut column = whiten(direction);
             column[direction.len() + k] = 1.0;
             columns.push(column);
         }
-        let hidden = (given.hidden_um / sigma_um).powi(2);
+        let hidden = (hidden_um / sigma_um).powi(2);
         let base = Projection::dense(observations, &columns).with_hidden(hidden);
-        let candidates = candidates(comparison, scene, move |column| whiten(&column));
+        let candidates = candidates(comparison, scene, whitening);
         Self {
             as_predicted,
-            prediction_u_um: (!given.prediction.is_empty()).then(|| variance.sqrt()),
+            prediction_u_um: (!prediction.is_empty()).then(|| variance.sqrt()),
             comparison,
-            calibrated: given.calibrated,
+            calibrated: calibration.is_some(),
             wanders: false,
-            families: families(comparison, whiten).into(),
+            families: families(comparison, whitening).into(),
             folds: folds(comparison).into(),
-            level: given.level,
+            level,
             sigma_um,
             whitening,
             hidden,
-            least_variance: (given.resolution_um / sigma_um).powi(2) + hidden,
+            least_variance: (resolution_um / sigma_um).powi(2) + hidden,
             listed: Listed {
                 base,
                 candidates: candidates.into(),
@@ -174,6 +174,12 @@ impl<'a> Problem<'a> {
     /// Rms for one degree of freedom of what a model leaves and the last digit hides, µm.
     pub(crate) fn rms_um(&self, model: &Projection) -> f64 {
         self.sigma_um * (model.squares() / model.degrees_of_freedom.max(1.0)).sqrt()
+    }
+
+    /// Standard deviation of a reading that a model leaves, µm: no less than the last digit has.
+    pub(crate) fn noise_um(&self, model: &Projection) -> f64 {
+        let least_um = self.sigma_um * self.least_variance.sqrt();
+        self.rms_um(model).max(least_um)
     }
 
     /// Rms for one degree of freedom of what is seen of the readings less the prediction as it is and causes, µm.

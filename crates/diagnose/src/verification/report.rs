@@ -1,6 +1,6 @@
 //! What was found in one verification, as the outcome says it.
 
-use trueaxis_effects::{Level, Scene, Subject};
+use trueaxis_effects::{Level, ResolvedEffect, Scene, Subject};
 
 use crate::engine::{Chosen, Judged, Listed, places as places_by, side, without};
 use crate::fitted::{Against, Fitted, Row};
@@ -71,20 +71,18 @@ pub(crate) fn causes(
         predicted.project(&mut fitted);
         let misfit: Vec<f64> = rest.iter().zip(&fitted).map(|(a, b)| a + b).collect();
         let gain = gain_of(problem, chosen, k);
-        let along_it = shown_along(problem.comparison, &candidate.hypothesis);
-        let along_it = along_it.zip(candidate.sizes.iter().map(Vec::as_slice));
-        let along_it: Vec<(f64, &[f64])> = along_it.collect();
-        let (curve, mean_lost_motion) = curve(&along_it, &sized.fit, variance).unzip();
+        let along_it: Vec<(f64, &[f64])> = shown_along(problem.comparison, candidate).collect();
+        let (curve, mean_lost_motion) = curve(&along_it, &sized.fit, variance);
         causes.push(Cause {
             explained_rms_um: rms_of_readings_um(problem, &fitted),
             heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),
             rivals: [
                 rival_disturbances(problem, wandering, chosen, k, judged.score.evidence),
-                rivals(&problem.listed, &chosen[k..=k], &judged),
+                rivals(&problem.listed, &judged),
                 by_pauses.rivals,
             ]
             .concat(),
-            curve: curve.unwrap_or_default(),
+            curve,
             mean_lost_motion,
             fitted: shown(problem, scene, &misfit, &fitted),
             ..said
@@ -125,9 +123,9 @@ const UNDECIDED: f64 = 0.1;
 
 /// What explains the data nearly as well as a cause, all against the model with the other causes. A
 /// form that holds the cause and more is a rival only as long as it is undecided whether there is more.
-pub(crate) fn rivals(listed: &Listed, cause: &[Chosen], judged: &Judged) -> Vec<Rival> {
+pub(crate) fn rivals(listed: &Listed, judged: &Judged) -> Vec<Rival> {
     let (model, own) = (&judged.beside.model, &judged.score);
-    let cause_columns = listed.columns(cause);
+    let cause_columns = listed.columns_of(&judged.cause);
     let mut rivals = listed.rivals(judged, |score, other, columns| {
         let holds_cause =
             score.rank > own.rank && contains(model, &model.extended(columns), &cause_columns);
@@ -180,27 +178,21 @@ pub(crate) fn add_rivals(
     others: &[Chosen],
     causes: &mut [Cause],
 ) {
-    let name = |own: &Chosen| {
-        let hypothesis = listed.hypothesis(own);
-        (hypothesis.effect.id, hypothesis.subject)
+    let has = |all: &[Chosen], one: &ResolvedEffect| {
+        let mut all = all.iter().map(|own| listed.hypothesis(own));
+        all.any(|own| (own.effect.id, own.subject) == (one.effect.id, one.subject))
     };
-    let has = |all: &[Chosen], one: (&str, Subject)| all.iter().any(|own| name(own) == one);
     for (k, (other, sized)) in others.iter().zip(listed.sizes(others)).enumerate() {
-        if has(chosen, name(other)) {
+        let effect = listed.candidates[other.candidate].resolved(&sized.fit.estimates, other.shape);
+        if has(chosen, &effect) {
             continue;
         }
         let Some(score) = listed.beside(&without(others, k)).score_of(other) else {
             continue;
         };
-        let effect = listed.candidates[other.candidate].resolved(&sized.fit.estimates, other.shape);
-        let is_it = |rival: &Rival| match rival {
-            Rival::Effect { effect: own, .. } => (own.effect.id, own.subject) == name(other),
-            Rival::Disturbance { .. } => false,
-        };
-        let is_replaced =
-            |cause: &&mut Cause| !has(others, (cause.effect.effect.id, cause.effect.subject));
-        for cause in causes.iter_mut().filter(is_replaced) {
-            if !cause.rivals.iter().any(is_it) {
+        for cause in causes.iter_mut() {
+            let is_listed = cause.rival_effects().any(|own| own.is(&effect));
+            if !has(others, &cause.effect) && !is_listed {
                 cause.rivals.push(Rival::Effect {
                     effect: effect.clone(),
                     delta_bic: score.bic,

@@ -25,13 +25,8 @@ const FEW: f64 = 40.0;
 /// What must be left of a column, in squares, for one form not to hold the other.
 const CONTAINED: f64 = 1e-6;
 
-/// The causes of what the base model leaves, the strongest first.
-pub(crate) fn search(listed: &Listed, excluded: &[usize], level: f64) -> Vec<Chosen> {
-    search_beside(listed, Vec::new(), excluded, level)
-}
-
-/// The same beside causes that are known, without those that become superfluous.
-pub(crate) fn search_beside(
+/// The causes of what the base model leaves, the strongest first, after those that are known; without those that become superfluous.
+pub(crate) fn search(
     listed: &Listed,
     causes: Vec<Chosen>,
     excluded: &[usize],
@@ -75,10 +70,8 @@ fn grown(
             }
             break;
         };
-        if causes.contains(&next) {
-            break;
-        }
-        if with_shapes && is_shape_of(listed, &causes, &next) {
+        let is_shape = || with_shapes && is_shape_of(listed, &causes, &next);
+        if causes.contains(&next) || is_shape() {
             break;
         }
         let before = causes.clone();
@@ -116,17 +109,17 @@ fn hidden_pair(listed: &Listed, excluded: &[usize], level: f64) -> Vec<Chosen> {
 
 /// Whether causes are there to take each other away.
 pub(crate) fn opposed(listed: &Listed, causes: &[Chosen]) -> bool {
-    let of_each = causes.iter().map(std::slice::from_ref);
-    let of_each: Vec<Vec<Vec<f64>>> = of_each.map(|cause| listed.columns(cause)).collect();
-    are_opposed(&listed.base, &does_with(&listed.base, &of_each))
+    let of_each = causes.iter().map(|cause| listed.columns_of(cause));
+    let does = does_with(&listed.base, &of_each.collect::<Vec<_>>());
+    are_opposed(&listed.base, &does)
 }
 
 /// Whether a further cause may be no more than the shape of the others.
 fn is_shape_of(listed: &Listed, causes: &[Chosen], next: &Chosen) -> bool {
     let model = listed.with(causes);
     let earlier = listed.base.squares() - model.squares();
-    let columns = listed.columns(std::slice::from_ref(next));
-    let more = model.squares() - model.extended(&columns).squares();
+    let with = model.extended(&listed.columns_of(next));
+    let more = model.squares() - with.squares();
     !causes.is_empty() && more < SHAPE_ERROR * earlier
 }
 
@@ -239,9 +232,8 @@ pub(crate) fn contains(model: &Projection, with: &Projection, columns: &[Vec<f64
         projection.project(&mut column);
         column.iter().map(|x| x * x).sum::<f64>()
     };
-    columns
-        .iter()
-        .all(|c| left(with, c) <= CONTAINED * left(model, c))
+    let is_contained = |c: &Vec<f64>| left(with, c) <= CONTAINED * left(model, c);
+    columns.iter().all(is_contained)
 }
 
 /// Looks for each shape again with the other causes in the model.

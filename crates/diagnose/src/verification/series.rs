@@ -11,7 +11,7 @@ use crate::verification::competition::compete;
 use crate::verification::doubted::doubted;
 use crate::verification::held_out::{HeldOut, gain, held_out};
 use crate::verification::lost_motion::FORMS;
-use crate::verification::model::{Model, only};
+use crate::verification::model::{Model, have_same, only};
 use crate::verification::omnibus::{IN_TIME, omnibus, repeats_with_cycle};
 use crate::verification::problem::Problem;
 use crate::verification::report;
@@ -52,12 +52,7 @@ impl<'a> Series<'a> {
 
     /// Other causes, with what wanders beside them.
     pub(crate) fn set_causes(&mut self, causes: Vec<Chosen>) {
-        let of = |causes: &[Chosen]| {
-            let mut numbers: Vec<usize> = causes.iter().map(|c| c.candidate).collect();
-            numbers.sort_unstable();
-            numbers
-        };
-        if of(&causes) != of(&self.model.causes) {
+        if !have_same(&causes, &self.model.causes) {
             self.model = only(&self.plain, wandering(&self.plain, &causes));
         }
         self.model.causes = causes;
@@ -116,8 +111,8 @@ impl<'a> Series<'a> {
             .or_else(|| another_curve(problem, &chosen, &after))
             .or_else(of_tests)
             .or_else(|| is_plain.then(|| impossible(problem)).flatten());
-        let of_causes = chosen.iter().map(std::slice::from_ref);
-        let of_causes = of_causes.map(|cause| Part::Free(problem.listed.columns(cause)));
+        let of_causes = chosen.iter();
+        let of_causes = of_causes.map(|cause| Part::Free(problem.listed.columns_of(cause)));
         let smooth = wandering.iter().map(|w| Part::Smooth(w.columns(plain)));
         let parts: Vec<Part> = of_causes.chain(smooth).collect();
         let held_before = held_out(plain, &[]);

@@ -13,7 +13,7 @@ use trueaxis_effects::Shape;
 use trueaxis_predict::CalibratedMachine;
 
 use crate::engine::{Candidate, Chosen, Finer, Listed, without};
-use crate::selection::{Fit, Hypothesis, Projection, combined, dot};
+use crate::selection::{Fit, Hypothesis, Projection, dot};
 use crate::verification::comparison::TIMESTAMP_OFFSET;
 use crate::verification::hypotheses::is_continuous;
 use crate::verification::prediction_error::prediction_directions;
@@ -54,7 +54,8 @@ impl<'s> Stack<'s> {
         is_wanted: impl Fn(&Hypothesis) -> bool,
         calibration: Option<&CalibratedMachine>,
     ) -> Self {
-        let scales_um: Vec<f64> = all.iter().map(scale_um).collect();
+        let left_um = |series: &Series<'_>| series.plain.noise_um(&series.after());
+        let scales_um: Vec<f64> = all.iter().map(left_um).collect();
         let with_own = all.iter().zip(own);
         let parts = with_own.map(|(series, own)| series.model.problem.part(own));
         let parts: Vec<Projection> = parts.collect();
@@ -132,9 +133,24 @@ impl<'s> Stack<'s> {
         });
         let (all, scales_um) = (self.all, self.scales_um.clone());
         let (hypothesis, of_each, count) = (*hypothesis, members.clone(), plausible.len());
+        let Hypothesis {
+            effect, subject, ..
+        } = hypothesis;
         let columns = move |shape: f64| -> Vec<Vec<f64>> {
-            let of_each = all.iter().zip(&of_each).zip(&scales_um);
-            let column = |k| column(of_each.clone(), &hypothesis, k, shape);
+            let column = |k: usize| {
+                let of_each = all.iter().zip(&of_each).zip(&scales_um);
+                let columns = of_each.flat_map(|((series, member), &um)| {
+                    let plain = &series.plain;
+                    match member {
+                        Some(_) => {
+                            let column = plain.comparison.column(effect, &subject, k, shape);
+                            in_scale(plain, &column, um)
+                        }
+                        None => vec![0.0; plain.readings()],
+                    }
+                });
+                columns.collect()
+            };
             (0..count).map(column).collect()
         };
         let candidate = Candidate {
@@ -230,9 +246,7 @@ impl<'s> Stack<'s> {
     /// What a cause with the size that all have in common explains in each series, squares.
     pub(crate) fn explained(&self, causes: &[Chosen], k: usize) -> Vec<f64> {
         let model = self.listed.with(&without(causes, k));
-        let columns = self.listed.columns(&causes[k..=k]);
-        let estimates = Fit::new(&model, &columns).estimates;
-        let of_all = combined(model.rows(), &columns, &estimates);
+        let of_all = Fit::new(&model, &self.listed.columns_of(&causes[k])).effect;
         let explained = (0..self.all.len()).map(|number| {
             let made = self.of_series(number, &of_all);
             let mut left = made.clone();
@@ -259,33 +273,8 @@ impl<'s> Stack<'s> {
 
     /// What the columns of a cause explain of noise, squares.
     pub(crate) fn of_noise(&self, cause: &Chosen) -> f64 {
-        self.listed.candidates[cause.candidate]
-            .columns(cause.shape)
-            .len() as f64
+        self.listed.columns_of(cause).len() as f64
     }
-}
-
-/// What a unit of a parameter does to all readings: of each series, whether it shows it, and its scale, µm.
-fn column<'s>(
-    of_each: impl Iterator<Item = ((&'s Series<'s>, &'s Option<usize>), &'s f64)>,
-    Hypothesis {
-        effect, subject, ..
-    }: &Hypothesis,
-    parameter: usize,
-    shape: f64,
-) -> Vec<f64> {
-    let mut whole = Vec::new();
-    for ((series, member), scale_um) in of_each {
-        let comparison = series.plain.comparison;
-        match member {
-            Some(_) => {
-                let column = comparison.column(effect, subject, parameter, shape);
-                whole.extend(in_scale(&series.plain, &column, *scale_um));
-            }
-            None => whole.resize(whole.len() + series.plain.readings(), 0.0),
-        }
-    }
-    whole
 }
 
 /// A column over the readings of a series, in µm, as one of all series, of noise with a standard deviation.
@@ -296,12 +285,4 @@ fn in_scale(plain: &Problem<'_>, column: &[f64], scale_um: f64) -> Vec<f64> {
         ..plain.whitening
     };
     whitening.whiten(column)
-}
-
-/// Standard deviation of a reading that the causes of a series leave, µm.
-fn scale_um(series: &Series<'_>) -> f64 {
-    let plain = &series.plain;
-    series
-        .left_um()
-        .max(plain.sigma_um * plain.least_variance.sqrt())
 }

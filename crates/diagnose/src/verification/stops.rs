@@ -9,6 +9,7 @@
 use trueaxis_campaign::Verification;
 
 use crate::engine::most;
+use crate::extremes::extremes;
 use crate::selection::ln_f_test;
 use crate::verification::base::cells;
 use crate::verification::comparison::Comparison;
@@ -134,10 +135,8 @@ fn is_on_its_way(stops: &[Stop], slip: &Slip) -> bool {
     // Of two neither is known to be the slip.
     let is_known = own.readings.len() > 2;
     let others = own.without(is_known.then_some(slip.place));
-    let of_others = || others.iter().copied();
-    let range_um =
-        of_others().fold(f64::NEG_INFINITY, f64::max) - of_others().fold(f64::INFINITY, f64::min);
-    if is_known && range_um > near_um {
+    let [low, high] = extremes(others.iter().copied());
+    if is_known && high - low > near_um {
         return true;
     }
     let is_same = |other: &&Stop| other.cell == own.cell && !other.readings.is_empty();

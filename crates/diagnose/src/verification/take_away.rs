@@ -15,8 +15,7 @@ pub(crate) fn takes_own_away(
     common: &[Chosen],
     k: usize,
 ) -> bool {
-    let of_all = common.iter().map(std::slice::from_ref);
-    let of_all = of_all.map(|cause| stack.listed.columns(cause));
+    let of_all = common.iter().map(|cause| stack.listed.columns_of(cause));
     let of_all = does_with(&stack.listed.base, &of_all.collect::<Vec<_>>());
     (0..own.len()).any(|number| {
         let series = &stack.all[number];
@@ -37,8 +36,8 @@ pub(crate) fn takes_own_away(
             add(&mut left, column, -1.0);
         }
         let left = base.with_residuals(&left);
-        let of_own = own[number].iter().map(std::slice::from_ref);
-        let of_own = of_own.map(|cause| series.model.problem.listed.columns(cause));
+        let of_own = own[number].iter();
+        let of_own = of_own.map(|cause| series.model.problem.listed.columns_of(cause));
         let mut does = does_with(&left, &of_own.collect::<Vec<_>>());
         does.push(in_series[k].clone());
         are_opposed(base, &does)

@@ -4,7 +4,7 @@
 //!
 //! 1. every cause of the machine that a series named is tried with one size for all, and gives its place to one that has
 //!    more evidence there: a second line at another feed tells lost motion from an offset of the time stamps;
-//! 2. what no series shows alone, but all together do, joins; what has become superfluous leaves ([`search_beside`]);
+//! 2. what no series shows alone, but all together do, joins; what has become superfluous leaves ([`search`]);
 //! 3. a cause whose sizes differ between the series by more than chance (F test of a size for each series) and by more than
 //!    a tenth stays with the series that named it, each with its own. Where they scatter by less, the uncertainty of the
 //!    common size contains that.
@@ -20,7 +20,7 @@ use crate::engine::{Candidate, Chosen, Listed, without};
 use crate::selection::{Hypothesis, f_test};
 use crate::verification::believed::without_imitations;
 use crate::verification::joined::joint_cause;
-use crate::verification::search::{contains, drop_superfluous, search_beside, simplest};
+use crate::verification::search::{contains, drop_superfluous, search, simplest};
 use crate::verification::series::Series;
 use crate::verification::stack::{Stack, is_of_all};
 use crate::verification::take_away::takes_own_away;
@@ -58,7 +58,7 @@ pub(crate) fn together(
             // Of two forms of one effect the smaller may be the one that is left out.
             found = exchanged(&stack.listed, found, level);
         }
-        found = search_beside(&stack.listed, found, &[], level);
+        found = search(&stack.listed, found, &[], level);
         let of_each = stack.of_each(&own, &found);
         let is_known = |cause: &Chosen| named.iter().any(|n| n.candidate == cause.candidate);
         let sizes: Vec<Sizes> = (0..found.len())
@@ -158,7 +158,7 @@ fn exchanged(listed: &Listed, mut causes: Vec<Chosen>, level: f64) -> Vec<Chosen
 /// The forms that hold a cause or are held by it: where its size is not one, theirs is none either.
 fn other_forms(listed: &Listed, cause: &Chosen) -> Vec<Hypothesis> {
     let with = |columns: &[Vec<f64>]| listed.base.extended(columns);
-    let own = listed.columns(std::slice::from_ref(cause));
+    let own = listed.columns_of(cause);
     let with_own = with(&own);
     let is_form = |candidate: &&Candidate<'_>| {
         candidate.shapes.len() == 1 && {
@@ -184,7 +184,7 @@ struct Sizes {
 impl Sizes {
     fn new(stack: &Stack<'_>, causes: &[Chosen], k: usize) -> Self {
         let others = stack.listed.with(&without(causes, k));
-        let common = others.extended(&stack.listed.columns(&causes[k..=k]));
+        let common = others.extended(&stack.listed.columns_of(&causes[k]));
         let apart = others.extended(&stack.apart(&causes[k]));
         let rank = (common.degrees_of_freedom - apart.degrees_of_freedom).max(0.0)
             + stack.more_shapes(&causes[k]) as f64;

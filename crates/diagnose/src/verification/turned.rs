@@ -14,7 +14,6 @@ use trueaxis_leastsquares::f_upper_tail;
 use crate::verification::arrivals::is_same;
 use crate::verification::base::{count, lines, places};
 use crate::verification::comparison::{Comparison, line};
-use crate::verification::resolution::resolution_um;
 
 /// Positions between the ends, at least: fewer do not show what is alike everywhere.
 const LEAST_WITHIN: usize = 3;
@@ -34,7 +33,7 @@ pub(crate) fn turned(comparison: &Comparison<'_>) -> Option<(Vec<(f64, Direction
     if count(&lines(comparison)) > 1 {
         return None;
     }
-    let resolution_um = resolution_um(comparison.arrivals.iter().map(|a| a.value_um))?;
+    let resolution_um = comparison.resolution_um()?;
     let differences = differences(comparison)?;
     let positions = comparison.positions(axis);
     let last = differences.len() - 1;

@@ -2,9 +2,9 @@
 
 use trueaxis_kinematics::AxisKind;
 
+use crate::extremes::extremes;
 use crate::selection::{Projection, dot};
 use crate::verification::comparison::Comparison;
-use crate::verification::resolution::resolution_um;
 
 /// Positions in units that readings come in: the reading for each mm, the part of the range that it may be off by, and the name. A
 /// scale may be wrong by a thousandth, but hardly by just that.
@@ -77,11 +77,10 @@ pub(crate) fn doubt(comparison: &Comparison<'_>) -> Option<String> {
             1e-3 * largest_um
         ));
     }
-    let low = values().fold(f64::INFINITY, f64::min);
-    let span_um = values().fold(f64::NEG_INFINITY, f64::max) - low;
+    let [low, high] = extremes(values());
+    let span_um = high - low;
     let range_mm = range_mm.filter(|range_mm| *range_mm >= LEAST_RANGE_MM)?;
-    let is_small = span_um < BENEATH_MACHINES_UM
-        && resolution_um(comparison.arrivals.iter().map(|a| a.value_um))? < LEAST_DIGIT_UM;
+    let is_small = span_um < BENEATH_MACHINES_UM && comparison.resolution_um()? < LEAST_DIGIT_UM;
     is_small.then(|| {
         format!(
             "readings within {span_um:.2} µm over {range_mm:.0} mm look like millimetres or inches; they are taken as micrometres"
@@ -143,14 +142,10 @@ fn position_unit(comparison: &Comparison<'_>) -> Option<&'static str> {
         return None;
     }
     let is_position = |(of_mm, part, _): &&(f64, f64, &str)| {
-        let rest = || {
-            arrivals
-                .iter()
-                .map(|a| a.value_um - of_mm * a.positions[axis])
-        };
-        let spread =
-            rest().fold(f64::NEG_INFINITY, f64::max) - rest().fold(f64::INFINITY, f64::min);
-        spread < 2.0 * part * of_mm * range_mm
+        let rest = arrivals.iter();
+        let rest = rest.map(|a| a.value_um - of_mm * a.positions[axis]);
+        let [low, high] = extremes(rest);
+        high - low < 2.0 * part * of_mm * range_mm
     };
     POSITIONS.iter().find(is_position).map(|(_, _, unit)| *unit)
 }

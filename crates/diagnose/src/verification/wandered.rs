@@ -18,9 +18,7 @@ pub(crate) fn wandered(
     after: &Projection,
     gain: Option<Gain>,
 ) -> Vec<Disturbance> {
-    // No less than the last digit of the readings has.
-    let least_um = problem.sigma_um * problem.least_variance.sqrt();
-    let noise_um = problem.rms_um(after).max(least_um);
+    let noise_um = problem.noise_um(after);
     let report = |(own, course): &(&FittedProcess, Course)| {
         let comparison = problem.comparison;
         let (range, unit) = own.wanderer.range(comparison);

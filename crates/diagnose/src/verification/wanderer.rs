@@ -5,32 +5,22 @@
 //! Rows without a clock do not say whether the machine paused between two passes, in which what drifts goes on: each pass, or each
 //! cycle, then may have an offset of its own beside. What goes with time may also swing with one period, as an air conditioning does ([`Form`]).
 //!
-//! | who | what moves | with | coordinates | where |
-//! | --- | --- | --- | --- | --- |
-//! | instrument | its zero | time | 1 | everywhere |
-//! | machine | the point measured | time | 3 | ball bars; on a line it is the zero of the instrument under another name |
-//! | axis | it grows and shrinks: the middle of its positions, and one end against the other | time | 2 | lines of linear axes |
-//! | axis | its displacement along itself | position | 1 | lines against a calibration; else the mean curve takes it |
-//! | machine | the ball, towards the centre | angle of the bar | 1 | ball bars |
-//! | axis | its lost motion | position, by side of approach | 1 | lines of rotary axes from both sides, beside the cause; of linear axes the cause alone |
-//! | axis | its lost motion | time, by side of approach | 1 | lines from both sides |
-//!
-//! A bar that goes round once does not tell time from angle: then both are given.
+//! Who moves, what and with what is a table of `docs/diagnosis.md` (What wanders, in readings).
 
 use std::f64::consts::TAU;
 
 use trueaxis_effects::{Layer, Level, Subject};
-use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::median;
 
-use crate::Wandering;
 use crate::engine::correlation_lengths;
+use crate::extremes::extremes;
 use crate::selection::Hypothesis;
 use crate::verification::arrivals::{Arrival, numbered_in_a_row};
 use crate::verification::base::{count, cycles, places};
 use crate::verification::comparison::Comparison;
 use crate::verification::form::{Form, Functions, Pauses};
 use crate::verification::hypotheses::comes_from_both_sides;
+use crate::{Rival, Wandering};
 
 /// Half waves of each coordinate, at most: five times those of the shortest correlation length. What is cut off would be
 /// taken for the course of something else.
@@ -113,6 +103,14 @@ impl Wanderer {
                 Self::Sides => &["position", "direction"],
                 Self::SidesInTime => &["time", "direction"],
             },
+        }
+    }
+
+    /// As what explains as much as a cause.
+    pub(crate) fn rival(self, comparison: &Comparison<'_>, evidence: f64) -> Rival {
+        Rival::Disturbance {
+            whose: self.whose(comparison),
+            evidence,
         }
     }
 
@@ -296,18 +294,14 @@ impl Wanderer {
     pub(crate) fn range(self, comparison: &Comparison<'_>) -> ([f64; 2], &'static str) {
         if self.goes_with_time() {
             let times = comparison.arrivals.iter().map(|a| a.time_s);
-            let first = times.clone().fold(f64::INFINITY, f64::min);
-            let last = times.fold(f64::NEG_INFINITY, f64::max);
-            return ([first, last], comparison.unit_of("s"));
+            return (extremes(times), comparison.unit_of("s"));
         }
         if comparison.line().is_none() {
             return ([-180.0, 180.0], "deg");
         }
-        let ends = comparison.range;
-        match comparison.machine.axes()[comparison.axis()].kind() {
-            AxisKind::Linear => (ends, "mm"),
-            AxisKind::Rotary => (ends.map(f64::to_degrees), "deg"),
-        }
+        let kind = comparison.machine.axes()[comparison.axis()].kind();
+        let ends = comparison.range.map(|end| kind.position_in_file(end));
+        (ends, kind.position_unit())
     }
 }
 

@@ -4,6 +4,7 @@ use trueaxis_effects::Layer;
 
 use crate::Rival;
 use crate::engine::{Candidate, Chosen, Posterior, SMOOTH_LEVEL, Smooth, without};
+use crate::extremes::extremes;
 use crate::selection::{ALIKE, DECISIVE, Fit, Hypothesis, Projection, by_evidence, ln_f_test};
 use crate::verification::comparison::COUPLING;
 use crate::verification::form::Form;
@@ -125,10 +126,7 @@ pub(crate) fn rival_disturbances(
     let as_good = judged.filter(|own| own.evidence > evidence);
     let names = as_good.flat_map(|own| {
         let names = own.wanderer.names(comparison);
-        names.map(move |name| Rival::Disturbance {
-            whose: name.whose(comparison),
-            evidence: own.evidence,
-        })
+        names.map(move |name| name.rival(comparison, own.evidence))
     });
     let names: Vec<Rival> = names.collect();
     let is_said = |wanderer: Wanderer| {
@@ -137,10 +135,7 @@ pub(crate) fn rival_disturbances(
         said.any(|rival| matches!(rival, Rival::Disturbance { whose, .. } if *whose == own))
     };
     let twin = twin(problem, hypothesis).filter(|twin| !is_said(*twin));
-    let twin = twin.map(|twin| Rival::Disturbance {
-        whose: twin.whose(comparison),
-        evidence,
-    });
+    let twin = twin.map(|twin| twin.rival(comparison, evidence));
     names.into_iter().chain(twin).collect()
 }
 
@@ -183,9 +178,8 @@ fn judge(
         let form = [Form::Swing(period)];
         Judged::new(problem, &model, wanderer, &form, periods.len())
     });
-    let mut all: Vec<Judged> = Vec::new();
-    all.extend(Judged::new(problem, &model, wanderer, &smooth, 1));
-    all.extend(swings);
+    let smooth = Judged::new(problem, &model, wanderer, &smooth, 1);
+    let all: Vec<Judged> = smooth.into_iter().chain(swings).collect();
     let best = all
         .iter()
         .max_by(|a, b| (a.smooth.evidence - a.price).total_cmp(&(b.smooth.evidence - b.price)))?;
@@ -228,12 +222,10 @@ fn is_plausible(problem: &Problem<'_>, model: &Projection, own: &FittedProcess) 
         problem.rms_um(&with),
     );
     // The second coordinate is one end against the other.
-    let values = curve.iter().map(|point| point.value_um[1]);
-    let swing =
-        values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min);
+    let [least, most] = extremes(curve.iter().map(|point| point.value_um[1]));
     let u = curve.iter().map(|point| point.u_um[1]).fold(0.0, f64::max);
     let [low, high] = comparison.range;
-    swing < most_ppm * (high - low) / MM_PER_UM_PPM + 3.0 * u
+    most - least < most_ppm * (high - low) / MM_PER_UM_PPM + 3.0 * u
 }
 
 /// Millimetres of which a part in a million is a micrometre.
