@@ -172,12 +172,14 @@ pub(crate) fn backgrounds(
     all
 }
 
-impl Whitening {
+impl Background {
     /// Whether columns that are turned for one are for the other.
     pub(crate) fn is_turned_as(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.turn, &other.turn)
+        Arc::ptr_eq(&self.whitening.turn, &other.whitening.turn)
     }
+}
 
+impl Whitening {
     /// Whitens a column.
     pub(crate) fn whiten(&self, column: &[f64]) -> Vec<f64> {
         self.scaled(&self.turned(column))

@@ -107,8 +107,7 @@ fn range_of_shape(set: &CurveSet, kind: Shape, shape: f64) -> Option<[f64; 2]> {
 fn mixture(backgrounds: &[Background], columns: &[Vec<f64>]) -> (DVector<f64>, DMatrix<f64>) {
     let n = columns.len();
     let mut of_sizes: Vec<(f64, DVector<f64>, DMatrix<f64>)> = Vec::new();
-    let alike = |a: &Background, b: &Background| a.whitening.is_turned_as(&b.whitening);
-    for alike in backgrounds.chunk_by(alike) {
+    for alike in backgrounds.chunk_by(Background::is_turned_as) {
         let turned = columns.iter().map(|c| alike[0].whitening.turned(c));
         let turned: Vec<Vec<f64>> = turned.collect();
         for background in alike {

@@ -47,8 +47,8 @@ impl Judgement {
     /// of it would not fit into memory.
     pub(crate) fn new(set: &CurveSet, backgrounds: &[Background], candidate: &Candidate) -> Self {
         let raw = columns(set, candidate);
-        let alike = |a: &Background, b: &Background| a.whitening.is_turned_as(&b.whitening);
-        let judged = backgrounds.par_chunk_by(alike).flat_map(|alike| {
+        let judged = backgrounds.par_chunk_by(Background::is_turned_as);
+        let judged = judged.flat_map(|alike| {
             let turned = alike[0].whitening.turned_all(&raw);
             let of_size = move |background| of_size(background, candidate, &turned);
             alike.par_iter().map(of_size)

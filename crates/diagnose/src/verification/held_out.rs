@@ -34,11 +34,14 @@ pub(crate) struct HeldOut {
     pub(crate) expected: Vec<f64>,
 }
 
-/// Folds of the readings.
-pub(crate) fn folds(comparison: &Comparison<'_>) -> Vec<usize> {
-    // Block b of pass p.
-    let fold = |block: usize| (block % FOLDS + block / FOLDS) % FOLDS;
-    pass_blocks(comparison).into_iter().map(fold).collect()
+/// The readings of each fold.
+pub(crate) fn folds(comparison: &Comparison<'_>) -> [Vec<usize>; FOLDS] {
+    let mut folds = [const { Vec::new() }; FOLDS];
+    for (row, block) in pass_blocks(comparison).into_iter().enumerate() {
+        // Block b of pass p.
+        folds[(block % FOLDS + block / FOLDS) % FOLDS].push(row);
+    }
+    folds
 }
 
 /// Each pass cut into as many blocks as there are folds; the number of that of each reading.
@@ -53,7 +56,6 @@ pub(crate) fn pass_blocks(comparison: &Comparison<'_>) -> Vec<usize> {
 
 /// Held-out errors of a model with causes.
 pub(crate) fn held_out(problem: &Problem<'_>, causes: &[Chosen]) -> HeldOut {
-    let folds = &problem.folds;
     // The causes as they are, and with each other value of one of the shapes.
     let mut variants = vec![causes.to_vec()];
     for (k, cause) in causes.iter().enumerate() {
@@ -66,19 +68,26 @@ pub(crate) fn held_out(problem: &Problem<'_>, causes: &[Chosen]) -> HeldOut {
     }
     let with = |v: &Vec<Chosen>| problem.as_predicted.extended(&problem.listed.columns(v));
     let models: Vec<Projection> = variants.iter().map(with).collect();
+    let readings = problem.readings();
     let mut result = HeldOut {
-        errors: vec![None; folds.len()],
-        expected: vec![1.0; folds.len()],
+        errors: vec![None; readings],
+        expected: vec![1.0; readings],
     };
-    for fold in 0..count(folds) {
-        let rows: Vec<usize> = (0..folds.len()).filter(|&row| folds[row] == fold).collect();
-        let fitted = models.iter().map(|model| predict(model, rows.clone()));
-        let Some(best) = fitted.min_by(|a, b| a.rest.total_cmp(&b.rest)) else {
+    for rows in folds(problem.comparison) {
+        // With the squares that the fit to the rest leaves.
+        let fitted = models.iter().map(|model| {
+            let left = LeftOut::new(model, rows.clone());
+            let errors = left.errors(&model.residuals);
+            let rest = model.squares() - left.product(&errors, &model.residuals);
+            (rest, left, errors)
+        });
+        let Some((_, left, errors)) = fitted.min_by(|a, b| a.0.total_cmp(&b.0)) else {
             continue;
         };
-        for (k, &row) in rows.iter().enumerate() {
-            result.errors[row] = best.errors[k];
-            result.expected[row] = best.expected[k] * (1.0 - problem.hidden);
+        let predicted = left.determined(errors).into_iter().zip(left.expected());
+        for (row, (error, expected)) in rows.into_iter().zip(predicted) {
+            result.errors[row] = error;
+            result.expected[row] = expected * (1.0 - problem.hidden);
         }
     }
     result
@@ -92,24 +101,6 @@ pub(crate) fn other_shapes(candidate: &Candidate<'_>, shape: f64) -> impl Iterat
     };
     let others = shapes.iter().copied();
     others.filter(move |other| !is_same(*other, shape))
-}
-
-/// Prediction of a fold from the rest.
-struct Predicted {
-    errors: Vec<Option<f64>>,
-    expected: Vec<f64>,
-    /// Sum of squares that the fit to the rest leaves.
-    rest: f64,
-}
-
-fn predict(model: &Projection, rows: Vec<usize>) -> Predicted {
-    let left = LeftOut::new(model, rows);
-    let errors = left.errors(&model.residuals);
-    Predicted {
-        rest: model.squares() - left.product(&errors, &model.residuals),
-        errors: left.determined(errors),
-        expected: left.expected(),
-    }
 }
 
 impl HeldOut {

@@ -15,7 +15,9 @@ use std::borrow::Cow;
 use crate::engine::{Chosen, FOLDS};
 use crate::selection::{Gram, add, dot};
 use crate::verification::base::count;
-use crate::verification::held_out::{BoundedGain, gain_of_blocks, other_shapes, pass_blocks};
+use crate::verification::held_out::{
+    BoundedGain, folds, gain_of_blocks, other_shapes, pass_blocks,
+};
 use crate::verification::left_out::LeftOut;
 use crate::verification::series::Series;
 use crate::verification::stack::Stack;
@@ -28,7 +30,7 @@ struct Beside<'s> {
     /// For each shape a column for each parameter.
     x: Vec<Vec<Column>>,
     /// Of each fold, what is left out.
-    folds: Vec<LeftOut>,
+    folds: [LeftOut; FOLDS],
 }
 
 /// What a unit of a parameter does.
@@ -84,16 +86,12 @@ impl Stack<'_> {
         };
         let of_shape = |columns: &Cow<'_, [Vec<f64>]>| columns.iter().map(projected).collect();
         let scale = problem.sigma_um / self.scales_um[number];
-        let fold = |fold: usize| {
-            let all = series.plain.folds.iter().enumerate();
-            let rows = all.filter(|(_, own)| **own == fold).map(|(row, _)| row);
-            LeftOut::new(&model, rows.collect())
-        };
+        let folds = folds(series.plain.comparison).map(|rows| LeftOut::new(&model, rows));
         Beside {
             series,
             y: model.residuals.iter().map(|y| scale * y).collect(),
             x: shapes.iter().map(of_shape).collect(),
-            folds: (0..FOLDS).map(fold).collect(),
+            folds,
         }
     }
 }

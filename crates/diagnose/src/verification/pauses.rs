@@ -15,21 +15,21 @@ use crate::verification::wanderer::Wanderer;
 use crate::verification::wandering::FittedProcess;
 
 /// What unknown pauses mean for lost motion beside a cause of time.
-#[derive(Default)]
 pub(crate) struct ByPauses {
     /// That which is as large everywhere, or nothing, in which case it is what goes with time.
     pub(crate) rivals: Vec<Rival>,
-    /// How far the other extreme is from the values that are stated; nothing where there are no pauses.
+    /// How far the other extreme is from the values that are stated.
     pub(crate) shift: Vec<f64>,
 }
 
-/// What pauses leave of lost motion, cause `k` with its fit to observations of this variance, beside causes of time or what wanders.
+/// What pauses leave of lost motion, cause `k` with its fit to observations of this variance, beside causes of time or what wanders; none
+/// where there are no pauses.
 pub(crate) fn by_pauses(
     problem: &Problem<'_>,
     (causes, wandering): (&[Chosen], &[FittedProcess]),
     (k, fit): (usize, &Fit),
     (evidence, variance): (f64, f64),
-) -> ByPauses {
+) -> Option<ByPauses> {
     let (comparison, listed) = (problem.comparison, &problem.listed);
     let own = listed.hypothesis(&causes[k]);
     let is_lost_motion = FORMS.contains(&own.effect.id) && own.subject.axis == comparison.line();
@@ -37,7 +37,7 @@ pub(crate) fn by_pauses(
     let wanders = wandering.iter().any(|own| own.wanderer.is_of_time());
     let goes_on = wanders || causes.iter().any(is_of_time);
     if comparison.timed || !is_lost_motion || !goes_on {
-        return ByPauses::default();
+        return None;
     }
     // Mean and slope, of a constant the mean alone. Half waves are rougher than any pause makes.
     let straight = match own.effect.id == EFFECT {
@@ -46,7 +46,7 @@ pub(crate) fn by_pauses(
     };
     let cycles = cycles(comparison);
     if count(&cycles) < 2 || fit.estimates.len() != straight {
-        return ByPauses::default();
+        return None;
     }
     let paused = Listed {
         base: listed.base.extended(&offsets(problem, &cycles, wandering)),
@@ -57,11 +57,8 @@ pub(crate) fn by_pauses(
         .filter(|cause| !is_of_time(cause))
         .copied()
         .collect();
-    let place = |among: &[Chosen]| among.iter().position(|cause| *cause == causes[k]);
     let sized = |among: &[Chosen], place: usize| paused.sizes(among).swap_remove(place).fit;
-    let Some(number) = place(&without_time) else {
-        return ByPauses::default();
-    };
+    let number = without_time.iter().position(|cause| *cause == causes[k])?;
     let all_in_pauses = sized(&without_time, number);
     // Beside the slope nothing tells what drifts within the cycles; beside a constant it may be seen.
     let as_seen = (straight == 1).then(|| sized(causes, k));
@@ -91,10 +88,10 @@ pub(crate) fn by_pauses(
         [false, true] if own.effect.id == EFFECT => constant(&paused, &without_time, number),
         _ => Vec::new(),
     };
-    ByPauses {
+    Some(ByPauses {
         rivals,
         shift: (0..straight).map(shift).collect(),
-    }
+    })
 }
 
 /// An offset of each cycle, whitened, and where the scale wanders a slope: beside those of the line the first one has no meaning.

@@ -18,7 +18,6 @@ use crate::selection::Projection;
 use crate::verification::autocorrelation::Noise;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
-use crate::verification::held_out::folds;
 use crate::verification::hypotheses::candidates;
 use crate::verification::omnibus::families;
 use crate::verification::prediction_error::prediction_directions;
@@ -49,8 +48,6 @@ pub(crate) struct Problem<'a> {
     pub(crate) prediction_u_um: Option<f64>,
     /// What is left is tested to vary with.
     pub(crate) families: Arc<[Family]>,
-    /// Of each reading the fold that it is left out with.
-    pub(crate) folds: Arc<[usize]>,
     /// Of false alarms.
     pub(crate) level: f64,
 }
@@ -103,7 +100,6 @@ impl<'a> Problem<'a> {
             calibrated: calibration.is_some(),
             wanders: false,
             families: families(comparison, whitening).into(),
-            folds: folds(comparison).into(),
             level,
             sigma_um,
             whitening,
@@ -131,7 +127,6 @@ impl<'a> Problem<'a> {
                 candidates: self.listed.candidates.clone(),
             },
             families: self.families.clone(),
-            folds: self.folds.clone(),
             ..*self
         }
     }

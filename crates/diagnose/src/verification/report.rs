@@ -4,7 +4,7 @@ use trueaxis_effects::{Level, ResolvedEffect, Scene, Subject};
 
 use crate::engine::{Chosen, Judged, Listed, places as places_by, side, without};
 use crate::fitted::{Against, Fitted, Row};
-use crate::selection::{DECISIVE, Fit, Projection, Score, combined, cosine, is_rival};
+use crate::selection::{DECISIVE, Fit, Projection, Score, add, combined, cosine, is_rival};
 use crate::verification::arrivals::Arrival;
 use crate::verification::comparison::TIMESTAMP_OFFSET;
 use crate::verification::held_out::gain_of;
@@ -35,12 +35,8 @@ pub(crate) fn causes(
     let variance =
         (after.squares() / after.degrees_of_freedom.max(1.0)).max(problem.least_variance);
     // What the causes and what wanders leave.
-    let mut rest: Vec<f64> = joint
-        .effect
-        .iter()
-        .zip(wandered)
-        .map(|(a, b)| a + b)
-        .collect();
+    let mut rest = joint.effect;
+    add(&mut rest, wandered, 1.0);
     predicted.project(&mut rest);
     for (rest, residual) in rest.iter_mut().zip(&predicted.residuals) {
         *rest = residual - *rest;
@@ -60,7 +56,9 @@ pub(crate) fn causes(
             (k, &sized.fit),
             (judged.score.evidence, variance),
         );
-        by_pauses.add_to(&mut sized.fit.covariance, variance);
+        if let Some(by_pauses) = &by_pauses {
+            by_pauses.add_to(&mut sized.fit.covariance, variance);
+        }
         let u_shape = sized.u_shape.map_or(cause.u_shape, |u| u * variance.sqrt());
         let own = (&sized.fit, u_shape);
         let mut said = problem.listed.cause(&judged, level, own, variance);
@@ -79,7 +77,7 @@ pub(crate) fn causes(
             rivals: [
                 rival_disturbances(problem, wandering, chosen, k, judged.score.evidence),
                 rivals(&problem.listed, &judged),
-                by_pauses.rivals,
+                by_pauses.map_or_else(Vec::new, |own| own.rivals),
             ]
             .concat(),
             curve,

@@ -69,16 +69,14 @@ impl<'a> Series<'a> {
         } = &self.model;
         let before = &plain.listed.base;
         let tests = omnibus(plain, before);
-        let left_without = |k: usize| {
+        let ranked = |k: usize| {
             let left = problem.listed.with(&without(chosen, k)).squares();
             let place = first.iter().position(|own| *own == chosen[k].candidate);
-            (place.unwrap_or(first.len()), left)
+            (place.unwrap_or(first.len()), left, chosen[k])
         };
-        let mut ranked: Vec<((usize, f64), Chosen)> = (0..chosen.len())
-            .map(|k| (left_without(k), chosen[k]))
-            .collect();
-        ranked.sort_by(|(a, _), (b, _)| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
-        let chosen: Vec<Chosen> = ranked.into_iter().map(|(_, cause)| cause).collect();
+        let mut ranked: Vec<(usize, f64, Chosen)> = (0..chosen.len()).map(ranked).collect();
+        ranked.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+        let chosen: Vec<Chosen> = ranked.into_iter().map(|(.., cause)| cause).collect();
         let after = problem.listed.with(&chosen);
         let tests_after = omnibus(problem, &after);
         let courses = wandering

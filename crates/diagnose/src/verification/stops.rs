@@ -37,11 +37,11 @@ pub(crate) fn slips_within_stops(
     // What is left at the last of them.
     let (mut found, mut variance) = (0, 0.0);
     while let Some(slip) = largest(&stops) {
-        let others = left(&stops, &slip, resolution_um);
+        let (squares, freedom) = left(&stops, &slip, resolution_um);
         let drop = slip.error_um.powi(2) * slip.redundancy;
-        let ln_p = ln_f_test(drop, drop + others.squares, 1, others.freedom + 1.0);
+        let ln_p = ln_f_test(drop, drop + squares, 1, freedom + 1.0);
         let is_clear = ln_p < (LEVEL / count as f64).ln();
-        if !is_clear || others.freedom < LEAST_DEGREES_OF_FREEDOM {
+        if !is_clear || freedom < LEAST_DEGREES_OF_FREEDOM {
             break;
         }
         if found == most(MOST, count) {
@@ -52,7 +52,7 @@ pub(crate) fn slips_within_stops(
             stops[slip.stop].is_settled = true;
             continue;
         }
-        variance = others.squares / others.freedom;
+        variance = squares / freedom;
         let readings = &mut stops[slip.stop].readings;
         match readings.len() {
             2 => {
@@ -155,14 +155,8 @@ fn is_on_its_way(stops: &[Stop], slip: &Slip) -> bool {
     neighbours.any(|neighbour| others.iter().all(|value| is_far(neighbour, value)))
 }
 
-/// What the readings of stops scatter by.
-struct Left {
-    squares: f64,
-    freedom: f64,
-}
-
-/// Without one, and by no less than the last digit.
-fn left(stops: &[Stop], without: &Slip, resolution_um: f64) -> Left {
+/// The squares by which the readings of stops scatter without one, and by no less than the last digit, with their degrees of freedom.
+fn left(stops: &[Stop], without: &Slip, resolution_um: f64) -> (f64, f64) {
     let (mut squares, mut freedom) = (0.0, 0.0);
     let all = stops.iter().enumerate();
     for (number, stop) in all.filter(|(_, stop)| !stop.is_settled) {
@@ -171,8 +165,5 @@ fn left(stops: &[Stop], without: &Slip, resolution_um: f64) -> Left {
         squares += own.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
         freedom += own.len().saturating_sub(1) as f64;
     }
-    Left {
-        squares: squares.max(freedom * resolution_um.powi(2)),
-        freedom,
-    }
+    (squares.max(freedom * resolution_um.powi(2)), freedom)
 }

@@ -126,17 +126,16 @@ pub(crate) fn rival_disturbances(
     let as_good = judged.filter(|own| own.evidence > evidence);
     let names = as_good.flat_map(|own| {
         let names = own.wanderer.names(comparison);
-        names.map(move |name| name.rival(comparison, own.evidence))
+        names.map(move |name| (name, own.evidence))
     });
-    let names: Vec<Rival> = names.collect();
-    let is_said = |wanderer: Wanderer| {
-        let own = wanderer.whose(comparison);
-        let mut said = names.iter();
-        said.any(|rival| matches!(rival, Rival::Disturbance { whose, .. } if *whose == own))
-    };
-    let twin = twin(problem, hypothesis).filter(|twin| !is_said(*twin));
-    let twin = twin.map(|twin| twin.rival(comparison, evidence));
-    names.into_iter().chain(twin).collect()
+    let mut names: Vec<(Wanderer, f64)> = names.collect();
+    let is_new = |twin: &Wanderer| names.iter().all(|(name, _)| name != twin);
+    let twin = twin(problem, hypothesis).filter(is_new);
+    names.extend(twin.map(|twin| (twin, evidence)));
+    let rivals = names.into_iter();
+    rivals
+        .map(|(name, evidence)| name.rival(comparison, evidence))
+        .collect()
 }
 
 /// What nothing in one file tells from a cause, and has no name in the catalogue. No shift or drift of the machine turns a rotary
@@ -195,7 +194,8 @@ fn judge(
         form: best.form,
         width: best.smooth.width,
         evidence: most + 2.0 * marginal.ln(),
-        p_value: best.p_value(family),
+        // Of all that are tried.
+        p_value: (family as f64 * best.smooth.p_value * best.tried as f64).min(1.0),
         rivals: Vec::new(),
     };
     is_plausible(problem, &model, &own).then_some(own)
@@ -261,11 +261,6 @@ impl Judged {
             tried,
             price: 2.0 * ((KINDS * tried) as f64).ln(),
         })
-    }
-
-    /// Of all that are tried.
-    fn p_value(&self, family: usize) -> f64 {
-        (family as f64 * self.smooth.p_value * self.tried as f64).min(1.0)
     }
 
     /// Probability beforehand.
