@@ -70,13 +70,9 @@ pub(crate) fn alike_neighbours<'a>(
     // Beside the causes that are left.
     let last = with(noise(&first, least)?);
     // Twice the logarithm of the likelihood of the readings with a noise, but for what is the same with any.
+    let (base, white) = (&found.plain.listed.base, &found.plain.whitening);
     let total = |series: &Series<'a>| {
-        let correlation = series.plain.whitening.correlation;
-        let base = Restricted::new(
-            &found.plain.listed.base,
-            &found.plain.whitening,
-            correlation,
-        );
+        let base = Restricted::new(base, white, series.plain.whitening.correlation);
         evidence(&series.plain, &series.model) - base.deviance
     };
     (total(&last) > total(found)).then_some(last)

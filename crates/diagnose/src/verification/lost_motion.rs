@@ -64,18 +64,14 @@ pub(crate) fn reached_from_both_sides(comparison: &Comparison<'_>) -> Vec<usize>
 pub(crate) fn beyond_drives(problem: &Problem<'_>, causes: &[Chosen]) -> Option<[f64; 2]> {
     let axis = problem.comparison.line()?;
     let model = problem.listed.with(causes);
-    let variance = model.squares() / model.degrees_of_freedom.max(1.0);
+    let (squares, freedom) = (model.squares(), model.degrees_of_freedom);
+    let variance = squares / freedom.max(1.0);
     let beyond = |own: &Candidate| {
         let [_, most] = *own.plausible.first()?.as_ref()?;
         let columns = own.columns(*own.shapes.last()?);
         let fit = Fit::new(&model, &columns);
         let rank = columns.len();
-        let ln_p = ln_f_test(
-            fit.gained(),
-            model.squares(),
-            rank,
-            model.degrees_of_freedom,
-        );
+        let ln_p = ln_f_test(fit.gained(), squares, rank, freedom);
         let [along, _] = own.root_mean_square(&fit, variance);
         let size = match rank {
             1 => fit.estimates[0].abs(),

@@ -22,9 +22,6 @@ use crate::verification::comparison::Comparison;
 use crate::verification::problem::Problem;
 use crate::verification::whitening::Whitening;
 
-/// The sides of approach differ by what changes with time.
-pub(crate) const IN_TIME: &str = "direction in time";
-
 /// Waves of each family.
 const WAVES: u32 = 6;
 
@@ -65,7 +62,7 @@ pub(crate) fn families(comparison: &Comparison<'_>, whitening: Whitening<'_>) ->
         family("time", time),
         family("position", by_line),
         family("direction", of_direction),
-        family(IN_TIME, of_direction_in_time),
+        family("direction in time", of_direction_in_time),
         family("cycle", of_cycle),
     ]
 }

@@ -70,8 +70,7 @@ fn grown(
             }
             break;
         };
-        let is_shape = || with_shapes && is_shape_of(listed, &causes, &next);
-        if causes.contains(&next) || is_shape() {
+        if with_shapes && is_shape_of(listed, &causes, &next) {
             break;
         }
         let before = causes.clone();

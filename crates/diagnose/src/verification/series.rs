@@ -12,7 +12,7 @@ use crate::verification::doubted::doubted;
 use crate::verification::held_out::{HeldOut, gain, held_out};
 use crate::verification::lost_motion::FORMS;
 use crate::verification::model::{Model, have_same, only};
-use crate::verification::omnibus::{IN_TIME, omnibus, repeats_with_cycle};
+use crate::verification::omnibus::{omnibus, repeats_with_cycle};
 use crate::verification::problem::Problem;
 use crate::verification::report;
 use crate::verification::wandered::{Course, wandered};
@@ -190,14 +190,6 @@ fn with_closest(problem: &Problem<'_>, left: Unexplained) -> Unexplained {
     Unexplained { note, ..left }
 }
 
-/// What a test looks for, in the words of what is unexplained.
-fn words(varies_with: &'static str) -> Vec<&'static str> {
-    match varies_with {
-        IN_TIME => vec!["direction", "time"],
-        other => vec![other],
-    }
-}
-
 /// Structure that the causes leave.
 fn unexplained(
     problem: &Problem<'_>,
@@ -213,7 +205,8 @@ fn unexplained(
     });
     let excess = excess.reduce(f64::max)?;
     let mut varies_with: Vec<&'static str> = Vec::new();
-    for with in clear().flat_map(|t| words(t.test.varies_with)) {
+    // `direction in time` is both.
+    for with in clear().flat_map(|t| t.test.varies_with.split(" in ")) {
         if !varies_with.contains(&with) {
             varies_with.push(with);
         }

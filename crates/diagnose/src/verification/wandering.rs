@@ -215,12 +215,8 @@ fn is_plausible(problem: &Problem<'_>, model: &Projection, own: &FittedProcess) 
     };
     let columns = own.columns(problem);
     let with = model.beside(&columns).0;
-    let curve = curve(
-        problem,
-        own,
-        &Posterior::new(&with, &columns),
-        problem.rms_um(&with),
-    );
+    let posterior = Posterior::new(&with, &columns);
+    let curve = curve(problem, own, &posterior, problem.rms_um(&with));
     // The second coordinate is one end against the other.
     let [least, most] = extremes(curve.iter().map(|point| point.value_um[1]));
     let u = curve.iter().map(|point| point.u_um[1]).fold(0.0, f64::max);
