@@ -9,6 +9,7 @@ use crate::engine::Posterior;
 use crate::engine::coordinate::{self, Coordinate, Shown};
 use crate::engine::disturbance::{Here, Wanderer, Who, With};
 use crate::engine::wandering::{JudgedDisturbance, Wanders, units_um, whitened_columns};
+use crate::extremes::extremes;
 use crate::selection::{combined, dot};
 use crate::{CorrelationLength, CurvePoint, Disturbance, Gain, Wandering};
 
@@ -82,13 +83,9 @@ fn range<D: Wanders>(
     if matches!(wanderer.with, With::Position | With::Sides)
         && let Some(axis) = course.or(wanderer.subject().axis)
     {
-        let own = &base.scene().machine.axes()[axis];
-        let unit = match own.kind() {
-            AxisKind::Linear => "mm",
-            AxisKind::Rotary => "deg",
-        };
-        let ends = base.ends(axis).map(|end| shown_position(own, end));
-        return (ends, unit);
+        let kind = base.scene().machine.axes()[axis].kind();
+        let ends = base.ends(axis).map(|end| kind.position_in_file(end));
+        return (ends, kind.position_unit());
     }
     if wanderer.with != With::Occupation {
         return (span_s(all.iter()), "s");
@@ -100,19 +97,9 @@ fn range<D: Wanders>(
     (longest.unwrap_or_default(), "s")
 }
 
-/// A position of an axis, mm or rad, in mm or deg.
-fn shown_position(axis: &Axis, position: f64) -> f64 {
-    match axis.kind() {
-        AxisKind::Linear => position,
-        AxisKind::Rotary => position.to_degrees(),
-    }
-}
-
 /// First and last of some readings, s.
-fn span_s<'h>(some: impl Iterator<Item = &'h Here> + Clone) -> [f64; 2] {
-    let times = some.map(|here| here.time_s);
-    let first = times.clone().fold(f64::INFINITY, f64::min);
-    [first, times.fold(first, f64::max)]
+fn span_s<'h>(some: impl Iterator<Item = &'h Here>) -> [f64; 2] {
+    extremes(some.map(|here| here.time_s))
 }
 
 /// The coefficients of a disturbance given the data, in units of what they have beforehand.
@@ -195,7 +182,7 @@ impl<'h> Coefficients<'h> {
                 _ => range(base, self.all, self.wanderer, axis).0,
             };
             for geometry_at in self.places(base) {
-                let position = geometry_at.map(|(axis, position)| shown_position(axis, position));
+                let position = geometry_at.map(|(axis, at)| axis.kind().position_in_file(at));
                 let shown = coordinate::shown(&self.coordinates, &self.units_um, geometry_at);
                 for point in 0..points {
                     let x = point as f64 / (points - 1) as f64;

@@ -16,6 +16,7 @@ use trueaxis_screening::{Removed, estimate_noise};
 use crate::Error;
 use crate::engine::disturbance::Disturbance;
 use crate::engine::{Suspect, wandered_mm};
+use crate::extremes::extremes;
 use crate::lengths::adjusted::Adjusted;
 
 use crate::lengths::left_out::LeftOut;
@@ -93,13 +94,8 @@ impl<'a> Base<'a> {
         let declared = campaign.instrument.declares_noise();
         let uneven = weigh_stations(&mut network, &mut start, declared)?;
         let readings = length_circumstances(campaign, lengths, &network, &groups, &kept);
-        let times = || readings.iter().map(|r| r.time_s);
-        let span_s = [
-            times().fold(f64::INFINITY, f64::min),
-            times().fold(f64::NEG_INFINITY, f64::max),
-        ];
         Ok(Self {
-            span_s,
+            span_s: extremes(readings.iter().map(|r| r.time_s)),
             disturbances: Vec::new(),
             campaign,
             scene: scene_of(campaign),

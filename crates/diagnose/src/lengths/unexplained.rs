@@ -7,6 +7,7 @@ use trueaxis_files::told_period;
 
 use crate::Unexplained;
 use crate::engine::{Omnibus, Suspect, unexplained};
+use crate::extremes::extremes;
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 
@@ -84,9 +85,8 @@ fn period_s(base: &Base<'_>, adjusted: &Adjusted) -> Option<f64> {
     let turn_s = (0..stations)
         .map(|station| {
             let own = base.readings.iter().filter(|r| r.station == station);
-            let times = own.map(|r| r.time_s);
-            let first = times.clone().fold(f64::INFINITY, f64::min);
-            times.fold(f64::NEG_INFINITY, f64::max) - first
+            let [first, last] = extremes(own.map(|r| r.time_s));
+            last - first
         })
         .fold(0.0, f64::max);
     if turn_s <= 0.0 {

@@ -10,6 +10,7 @@
 use nalgebra::Vector3;
 
 use crate::engine::{Family, MOST_OF_FREEDOM, Omnibus, family_wise, waves_of};
+use crate::extremes::extremes;
 use crate::points::base::Base;
 use crate::points::model::Model;
 use crate::points::readings::Reading;
@@ -82,9 +83,7 @@ pub(crate) fn omnibus(model: &Model, families: &[Family]) -> Vec<Omnibus> {
 /// Range of the positions at which an axis was measured, mm or rad.
 pub(crate) fn range(base: &Base<'_>, axis: usize) -> [f64; 2] {
     let own = base.readings.all.iter().filter(|r| r.axis == Some(axis));
-    let at = own.map(|r| base.campaign.steps[r.step].positions[axis]);
-    let nothing = [f64::INFINITY, f64::NEG_INFINITY];
-    at.fold(nothing, |[low, high], q| [low.min(q), high.max(q)])
+    extremes(own.map(|r| base.campaign.steps[r.step].positions[axis]))
 }
 
 /// Where the axis of each point stands in that range, 0 to 1.

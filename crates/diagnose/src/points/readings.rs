@@ -7,6 +7,8 @@ use nalgebra::Point3;
 use trueaxis_campaign::{Campaign, Points, Stop};
 use trueaxis_poses::constant_feed_per_s;
 
+use crate::extremes::extremes;
+
 /// A measured point.
 #[derive(Debug, Clone)]
 pub(crate) struct Reading {
@@ -58,9 +60,8 @@ impl Readings {
     ///
     /// Targets that the axis of a run does not move are left out of this run, as in the calibration.
     pub(crate) fn new(campaign: &Campaign, points: &Points, removed: &[usize]) -> Self {
-        let times = || points.readings.iter().map(|r| r.time_s);
-        let first_s = times().fold(f64::INFINITY, f64::min);
-        let duration_s = times().fold(f64::NEG_INFINITY, f64::max) - first_s;
+        let [first_s, last_s] = extremes(points.readings.iter().map(|r| r.time_s));
+        let duration_s = last_s - first_s;
         let mut new = Self {
             all: Vec::new(),
             stops: Vec::new(),
