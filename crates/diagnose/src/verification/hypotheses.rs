@@ -47,8 +47,6 @@ const MOST_STEPS: u32 = 400;
 /// Whole waves per turn that are tried at most.
 const MOST_PER_TURN: u32 = 12;
 
-const ECCENTRICITY: &str = "encoder_eccentricity";
-
 /// Every effect of this level on every subject that moves.
 pub(crate) fn candidates<'a>(
     comparison: &'a Comparison<'a>,
@@ -83,7 +81,7 @@ pub(crate) fn candidates<'a>(
         scene.moving.dedup();
         let mut subjects = effect.subjects(&scene);
         subjects.retain(|subject| is_seen(comparison, subject));
-        if effect.id == ECCENTRICITY {
+        if effect.id == "encoder_eccentricity" {
             subjects.retain(|subject| is_half_turned(comparison, subject));
         }
         for &subject in &subjects {
@@ -207,11 +205,8 @@ fn shapes(comparison: &Comparison<'_>, shape: Shape, subject: &Subject) -> Vec<f
             let duration = arrivals.iter().map(|a| a.elapsed_s).fold(0.0, f64::max);
             // From a time constant that a few readings resolve to one that looks linear.
             let between = duration / arrivals.len().max(2) as f64;
-            let (shortest, longest) = (
-                (0.02 * duration).max(LEAST_READINGS * between),
-                3.0 * duration,
-            );
-            let ratio = (longest / shortest).powf(1.0 / f64::from(TIME_CONSTANTS - 1));
+            let shortest = (0.02 * duration).max(LEAST_READINGS * between);
+            let ratio = (3.0 * duration / shortest).powf(1.0 / f64::from(TIME_CONSTANTS - 1));
             in_equal_ratios(shortest, ratio, TIME_CONSTANTS)
         }
         Shape::Instant => {

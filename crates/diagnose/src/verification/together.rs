@@ -20,6 +20,7 @@ use crate::engine::{Candidate, Chosen, Listed, without};
 use crate::selection::{Hypothesis, f_test};
 use crate::verification::believed::without_imitations;
 use crate::verification::joined::joint_cause;
+use crate::verification::model::has;
 use crate::verification::search::{contains, drop_superfluous, search, simplest};
 use crate::verification::series::Series;
 use crate::verification::stack::{Stack, is_of_all};
@@ -60,23 +61,19 @@ pub(crate) fn together(
         }
         found = search(&stack.listed, found, &[], level);
         let of_each = stack.of_each(&own, &found);
-        let is_known = |cause: &Chosen| named.iter().any(|n| n.candidate == cause.candidate);
-        let sizes: Vec<Sizes> = (0..found.len())
-            .map(|k| Sizes::new(&stack, &found, k))
-            .collect();
+        let sizes = (0..found.len()).map(|k| Sizes::new(&stack, &found, k));
+        let sizes: Vec<Sizes> = sizes.collect();
         let doubtful = (0..found.len()).find(|&k| {
             sizes[k].are_several()
                 || takes_own_away(&stack, &own, &found, k)
-                || !is_known(&found[k]) && !is_believed(&stack, &of_each, &found, k)
+                || !has(&named, &found[k]) && !is_believed(&stack, &of_each, &found, k)
         });
         let Some(k) = doubtful else {
             break (found, of_each, sizes);
         };
         // What it took the place of goes back to its series.
-        let is_found = |n: &Chosen| found.iter().any(|f| f.candidate == n.candidate);
-        let replaced = named
-            .iter()
-            .filter(|n| !is_known(&found[k]) && !is_found(n));
+        let is_replaced = |n: &&Chosen| !has(&named, &found[k]) && !has(&found, n);
+        let replaced = named.iter().filter(is_replaced);
         let back = replaced.chain([&found[k]]);
         apart.extend(back.map(|cause| *stack.listed.hypothesis(cause)));
         apart.extend(other_forms(&stack.listed, &found[k]));
