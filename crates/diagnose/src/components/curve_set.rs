@@ -135,22 +135,19 @@ impl CurveSet {
         content: &Axis,
         components: Vec<Component>,
     ) -> Self {
-        let all: Vec<(f64, f64)> = result
-            .nodes
-            .iter()
-            .map(|node| {
-                let side = node.direction.map_or(1, Direction::sign);
-                (node.position, f64::from(side))
-            })
-            .collect();
-        let of_all = components.iter().flat_map(|component| {
-            let nodes = result.nodes.iter();
+        let nodes = result.nodes.iter();
+        let values = components.iter().flat_map(|component| {
+            let nodes = nodes.clone();
             nodes.map(|node| in_unit(&node.error, *component))
         });
+        let values = values.collect();
+        let side = |side: Option<Direction>| f64::from(side.map_or(1, Direction::sign));
         let all = Thinned {
-            stride: all.len().div_ceil(kept.len()),
-            nodes: all,
-            values: of_all.collect(),
+            stride: nodes.len().div_ceil(kept.len()),
+            nodes: nodes
+                .map(|node| (node.position, side(node.direction)))
+                .collect(),
+            values,
         };
         let covariance = covariance(calibration, result, kept, &components);
         Self::of_kept((result.axis, content), components, all, kept, covariance)
@@ -278,11 +275,8 @@ impl CurveSet {
 
     /// The same of all positions that were measured.
     pub(crate) fn measured_step(&self) -> f64 {
-        step_of(
-            self.thinned
-                .as_ref()
-                .map_or(&self.nodes, |thinned| &thinned.nodes),
-        )
+        let all = self.thinned.as_ref();
+        step_of(all.map_or(&self.nodes, |all| &all.nodes))
     }
 
     /// What the gauge leaves of curves.

@@ -35,20 +35,16 @@ pub(crate) fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>) -> Model<
         let wanders_on = |k: usize| {
             let hypothesis = listed.hypothesis(&model.causes[k]);
             let explained = || {
-                let own = listed
-                    .beside(&without(&model.causes, k))
-                    .score_of(&model.causes[k]);
-                own.map_or(0.0, |score| {
+                let beside = listed.beside(&without(&model.causes, k));
+                beside.score_of(&model.causes[k]).map_or(0.0, |score| {
                     let after = listed.with(&model.causes);
                     score.statistic * after.degrees_of_freedom / after.squares()
                 })
             };
             let is_wave = hypothesis.effect.shape == Shape::Period;
             let of_curve = |own: &FittedProcess| {
-                let others = model
-                    .wandering
-                    .iter()
-                    .filter(|w| w.wanderer != own.wanderer);
+                let others = model.wandering.iter();
+                let others = others.filter(|w| w.wanderer != own.wanderer);
                 let others: Vec<FittedProcess> = others.cloned().collect();
                 let without = plain.beside(&others).listed.with(&model.causes).squares();
                 without - listed.with(&model.causes).squares()
