@@ -12,32 +12,21 @@ pub(crate) fn number_problem(cell: &[u8]) -> (String, String) {
     let point = text.replace(',', ".");
     let ascii_minus = text.replace('\u{2212}', "-");
     let finite = |text: &str| number(text.as_bytes()).is_some();
+    let nothing = "a number; remove the row if nothing was measured".to_owned();
     if text.is_empty() {
-        (
-            "the cell is empty".to_owned(),
-            "a number; remove the row if nothing was measured".to_owned(),
-        )
-    } else if text.parse::<f64>().is_ok() {
-        (
-            format!("\"{text}\" is not a finite number"),
-            "a number; remove the row if nothing was measured".to_owned(),
-        )
-    } else if finite(&point) {
-        (
-            format!("\"{text}\" is not a number"),
-            format!("a decimal point, such as {point}"),
-        )
-    } else if finite(&ascii_minus) {
-        (
-            format!("\"{text}\" is not a number"),
-            format!("the minus sign of the keyboard, as in {ascii_minus}"),
-        )
-    } else {
-        (
-            format!("\"{text}\" is not a number"),
-            "a number with a decimal point and without unit, such as 12.5".to_owned(),
-        )
+        return ("the cell is empty".to_owned(), nothing);
     }
+    if text.parse::<f64>().is_ok() {
+        return (format!("\"{text}\" is not a finite number"), nothing);
+    }
+    let expected = if finite(&point) {
+        format!("a decimal point, such as {point}")
+    } else if finite(&ascii_minus) {
+        format!("the minus sign of the keyboard, as in {ascii_minus}")
+    } else {
+        "a number with a decimal point and without unit, such as 12.5".to_owned()
+    };
+    (format!("\"{text}\" is not a number"), expected)
 }
 
 /// The same for a cell that should hold seconds: clocks and calendars have words of their own.

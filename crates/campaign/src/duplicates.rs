@@ -51,10 +51,9 @@ fn clock_runs_on<R: Reading>(stops: &[Stop], readings: &[R]) -> bool {
 fn check_visits<R: Reading>(file: &Path, stops: &[Stop], readings: &[R]) -> Result<(), Error> {
     let mut first_lines = HashMap::with_capacity(readings.len());
     for stop in stops {
-        let key = (stop.station, stop.repeat, stop.step, stop.direction);
         for reading in readings_of(stop, readings) {
             let time_bits = (reading.time_s() + 0.0).to_bits();
-            let sighting = (key, reading.target(), time_bits);
+            let sighting = (stop.visit(), reading.target(), time_bits);
             if let Some(first_line) = first_lines.insert(sighting, reading.line()) {
                 return Err(Problem::StopRepeated {
                     time_s: reading.time_s(),

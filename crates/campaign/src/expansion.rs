@@ -3,6 +3,7 @@
 use trueaxis_files::{Alternatives, DocumentError, DocumentProblem};
 
 use crate::logged::LOGGED_COLUMNS;
+use crate::setup::check_sigma;
 use crate::{AxisExpansion, AxisKindSpec, AxisSpec, Error, Lengths, LoggedQuantity, MachineSpec};
 
 /// A smaller coefficient than this, ppm/K, is one in 1/K: even glass ceramics for scales are known no better.
@@ -62,11 +63,11 @@ fn expansion(axis: usize, spec: &AxisSpec) -> Result<Option<AxisExpansion>, Docu
         let expected = "a coefficient in um per m and K, such as 11.5 for steel";
         return refused("expansion_ppm_per_k", found, expected);
     }
-    if let Some(sigma_k) = spec.temperature_sigma_k.filter(|&sigma_k| sigma_k <= 0.0) {
-        let found = format!("a standard uncertainty of {sigma_k} K");
-        let expected = "more than zero; leave it out if it is not known";
-        return refused("temperature_sigma_k", found, expected);
-    }
+    let (field, sigma_k) = (
+        format!("{path}.temperature_sigma_k"),
+        spec.temperature_sigma_k,
+    );
+    check_sigma(field, "standard uncertainty", sigma_k, " K", false)?;
     let column = spec.temperature_column.as_deref();
     let column = column.unwrap_or(AxisExpansion::DEFAULT_COLUMN);
     if !LoggedQuantity::is_temperature(column) {

@@ -4,36 +4,10 @@ use std::fmt;
 use std::path::Path;
 
 use crate::logged::is_column;
-use crate::{Alternatives, Error, LoggedQuantity, Place, Problem};
-
-/// Every column of any file that is neither an axis nor logged.
-const FIXED_COLUMNS: [&str; 17] = [
-    "time_s",
-    "station",
-    "repeat",
-    "run",
-    "direction",
-    "target",
-    "length_mm",
-    "x_mm",
-    "y_mm",
-    "z_mm",
-    "sigma_um",
-    "cycle",
-    "deviation_um",
-    "delta_um",
-    "dx_um",
-    "dy_um",
-    "dz_um",
-];
+use crate::{Alternatives, Error, Place, Problem};
 
 /// Characters of a line that are quoted.
 const MOST_QUOTED: usize = 80;
-
-/// Whether some file has a column of that name, so that no axis can have it.
-pub(crate) fn is_fixed_column(name: &str) -> bool {
-    FIXED_COLUMNS.contains(&name) || LoggedQuantity::of_column(name).is_some()
-}
 
 /// What is wrong with a column of a header.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -16,10 +16,10 @@ use crate::{
 };
 
 /// Columns before those of the axes.
-const FIRST_COLUMNS: [&str; 5] = ["time_s", "station", "repeat", "run", "direction"];
+pub(crate) const FIRST_COLUMNS: [&str; 5] = ["time_s", "station", "repeat", "run", "direction"];
 
 /// Columns after those of the axes.
-const LAST_COLUMNS: [&str; 2] = ["target", "length_mm"];
+pub(crate) const LAST_COLUMNS: [&str; 2] = ["target", "length_mm"];
 
 /// Reads the lengths and the steps in them. `campaign` knows all names.
 pub(crate) fn read(
@@ -84,7 +84,7 @@ fn read_piece(mut table: Table<'_>, campaign: &Campaign) -> Result<Piece, Error>
     let mut reader = StopReader::of(&table, campaign)?;
     let length = table.column("length_mm")?;
     while let Some(row) = table.next_row()? {
-        let sighting = reader.read(&row, piece.readings.len())?;
+        let sighting = reader.read(&row)?;
         piece.readings.push(LengthReading {
             time_s: sighting.time_s,
             target: sighting.target,
@@ -116,7 +116,7 @@ pub(crate) fn text(campaign: &Campaign, lengths: &Lengths) -> String {
             writer.start_row(&mut rows, stop, reading);
             rows.length_mm(reading.length_mm);
             for column in &lengths.logged {
-                rows.optional_number(column.values.get(index).copied().flatten());
+                rows.optional(column.values.get(index).copied().flatten());
             }
             rows.end_row();
         }

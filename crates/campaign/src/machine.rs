@@ -4,10 +4,9 @@ use nalgebra::{Point3, Vector3};
 use trueaxis_files::{check_names, index_of};
 use trueaxis_kinematics::{Axis, AxisKind, Branch, FrameRule, Machine, NominalTarget};
 
-use crate::header::is_fixed_column;
 use crate::{
-    AxisKindSpec, AxisSpec, Campaign, Error, KinematicsSpec, MachineSpec, Place, Problem, Target,
-    position_unit,
+    AxisKindSpec, AxisSpec, Campaign, Error, KinematicsSpec, LoggedQuantity, MachineSpec, Place,
+    Problem, Target, lengths, point_checks, points, position_unit, verification,
 };
 
 impl MachineSpec {
@@ -69,7 +68,7 @@ impl AxisSpec {
     fn build(&self, path: &str) -> Result<Axis, Error> {
         let place = |field: &str| Place::in_field(format!("{path}.{field}"));
         let name = &self.name;
-        if is_fixed_column(name) {
+        if is_another_column(name) {
             let found = format!("axis `{name}` has the name of another column");
             let expected = "a name like X or C, because each axis has a column";
             return Err(Problem::value(found, expected).at(place("name")));
@@ -122,6 +121,20 @@ impl AxisSpec {
             temperature_sigma_k: None,
         }
     }
+}
+
+/// Whether some table has a column of that name which holds no positions.
+fn is_another_column(name: &str) -> bool {
+    let of_tables = [
+        &lengths::FIRST_COLUMNS[..],
+        &lengths::LAST_COLUMNS,
+        &points::LAST_COLUMNS,
+        &[points::SIGMA_COLUMN],
+        &verification::FIRST_COLUMNS,
+        &verification::VALUE_COLUMNS,
+        &point_checks::DEVIATION_COLUMNS,
+    ];
+    of_tables.concat().contains(&name) || LoggedQuantity::of_column(name).is_some()
 }
 
 /// The rule that fixes the reference frame for the nominal targets; `measured` says which runs see them: pairs of the index

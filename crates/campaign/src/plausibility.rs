@@ -42,7 +42,6 @@ mod logged;
 mod moments;
 mod nominal;
 mod order;
-mod pair;
 mod pairs;
 
 pub use hypothesis::UnitMistake;
@@ -55,8 +54,7 @@ use std::path::Path;
 use crate::{Campaign, Error, Lengths, Place, Points, Problem};
 use hypothesis::Hypothesis;
 use nominal::NominalPoints;
-use pair::Pair;
-use pairs::Pairs;
+use pairs::{Pair, Pairs};
 
 /// Refuses lengths that the nominal machine cannot have caused; returns notices about single rows.
 pub(crate) fn check_lengths(

@@ -13,7 +13,7 @@ use crate::table::Table;
 use crate::{Error, Place, PointCheck, PointCheckReading, Problem};
 
 /// Columns of the deviations, of which at least one is there.
-const DEVIATION_COLUMNS: [&str; 3] = ["dx_um", "dy_um", "dz_um"];
+pub(crate) const DEVIATION_COLUMNS: [&str; 3] = ["dx_um", "dy_um", "dz_um"];
 
 /// Columns of when.
 const WHEN_COLUMNS: [&str; 2] = ["time_s", "cycle"];
@@ -35,9 +35,8 @@ pub(crate) fn read(
         table.column(DEVIATION_COLUMNS[0])?;
     }
 
-    let mut readings = Vec::new();
-    while let Some(row) = table.next_row()? {
-        let positions = axes.read_within_travel(&row)?;
+    let readings = table.read_rows(|row| {
+        let positions = axes.read_within_travel(row)?;
         let [x, y, z] = deviations.map(|column| row.optional_number(column));
         let deviation_um = [x?, y?, z?];
         if deviation_um.iter().all(Option::is_none) {
@@ -47,20 +46,17 @@ pub(crate) fn read(
             );
             return Err(Problem::value(found, expected).at(Place::line(file, row.line())));
         }
-        readings.push(PointCheckReading {
+        Ok(PointCheckReading {
             time_s: time.map(|column| row.time_s(column)).transpose()?,
             cycle: cycle
                 .map(|column| row.counting_number(column))
                 .transpose()?,
             positions,
-            tool_home_mm: point.read(&row)?,
+            tool_home_mm: point.read(row)?,
             deviation_um,
             line: row.line(),
-        });
-    }
-    if readings.is_empty() {
-        return Err(table.no_rows());
-    }
+        })
+    })?;
     Ok(PointCheck {
         name: entry.name.clone(),
         u_um: entry.u_um,
@@ -82,24 +78,19 @@ pub(crate) fn text(check: &PointCheck, machine: &Machine) -> String {
     let columns = columns.chain(POINT_COLUMNS.into_iter().filter(|_| has_point));
     let mut rows = Rows::with_header(columns.chain(DEVIATION_COLUMNS));
     for reading in &check.readings {
-        // What only some readings have is an empty cell, which no reading accepts.
-        match reading.time_s {
-            Some(time_s) => rows.time_s(time_s),
-            None if has_time => rows.optional_number(None),
-            None => {}
+        if has_time {
+            rows.optional_time_s(reading.time_s);
         }
-        match reading.cycle {
-            Some(cycle) => rows.number(cycle),
-            None if has_cycle => rows.optional_number(None),
-            None => {}
+        if has_cycle {
+            rows.optional(reading.cycle);
         }
         rows.positions(&position_cells(machine, &reading.positions));
         if has_point {
             let point = reading.tool_home_mm;
-            (0..3).for_each(|c| rows.optional_number(point.map(|point| point[c])));
+            (0..3).for_each(|c| rows.optional(point.map(|point| point[c])));
         }
         for deviation_um in reading.deviation_um {
-            rows.optional_number(deviation_um);
+            rows.optional(deviation_um);
         }
         rows.end_row();
     }

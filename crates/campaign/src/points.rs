@@ -4,6 +4,7 @@ use std::path::Path;
 
 use nalgebra::Point3;
 
+use crate::point_columns::POINT_COLUMNS;
 use crate::reading::readings_of;
 use crate::rows::Rows;
 use crate::steps::Steps;
@@ -15,38 +16,31 @@ use crate::{Campaign, Error, PointReading, Points, Problem, near_positions};
 const FIRST_COLUMNS: [&str; 4] = ["time_s", "repeat", "run", "direction"];
 
 /// Columns after those of the axes.
-const LAST_COLUMNS: [&str; 4] = ["target", "x_mm", "y_mm", "z_mm"];
+pub(crate) const LAST_COLUMNS: [&str; 4] = ["target", "x_mm", "y_mm", "z_mm"];
 
 /// The optional column.
-const SIGMA_COLUMN: &str = "sigma_um";
+pub(crate) const SIGMA_COLUMN: &str = "sigma_um";
 
 /// Reads the points and the steps in them. `campaign` knows all names.
 pub(crate) fn read(file: &Path, text: &str, campaign: &Campaign) -> Result<(Points, Steps), Error> {
     let required = required_columns(&FIRST_COLUMNS, &campaign.machine, &LAST_COLUMNS);
     let mut table = Table::open(file, text, &required, &[SIGMA_COLUMN])?;
     let mut reader = StopReader::of(&table, campaign)?;
-    let coordinates = [
-        table.column("x_mm")?,
-        table.column("y_mm")?,
-        table.column("z_mm")?,
-    ];
+    let [x, y, z] = POINT_COLUMNS.map(|name| table.column(name));
+    let coordinates = [x?, y?, z?];
     let sigma = table.optional_column(SIGMA_COLUMN);
 
-    let mut readings = Vec::new();
-    while let Some(row) = table.next_row()? {
-        let sighting = reader.read(&row, readings.len())?;
+    let readings = table.read_rows(|row| {
+        let sighting = reader.read(row)?;
         let [x, y, z] = coordinates;
-        readings.push(PointReading {
+        Ok(PointReading {
             time_s: sighting.time_s,
             target: sighting.target,
             position_mm: Point3::new(row.number(x)?, row.number(y)?, row.number(z)?),
-            sigma_um: read_sigma(&row, sigma)?,
+            sigma_um: read_sigma(row, sigma)?,
             line: row.line(),
-        });
-    }
-    if readings.is_empty() {
-        return Err(table.no_rows());
-    }
+        })
+    })?;
     let (stops, steps) = near_positions::join(&campaign.machine, reader.finish());
     Ok((Points { stops, readings }, steps))
 }
@@ -75,7 +69,7 @@ pub(crate) fn text(campaign: &Campaign, points: &Points) -> String {
             writer.start_row(&mut rows, stop, reading);
             reading.position_mm.iter().for_each(|&c| rows.number(c));
             if has_sigma {
-                rows.optional_number(reading.sigma_um);
+                rows.optional(reading.sigma_um);
             }
             rows.end_row();
         }

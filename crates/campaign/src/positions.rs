@@ -32,16 +32,11 @@ pub fn read_positions(file: &Path, machine: &Machine) -> Result<Vec<Position>, E
     let mut table = Table::open(file, &text, &required, &POINT_COLUMNS)?;
     let mut columns = AxisColumns::of(&table, machine)?;
     let point = PointColumns::of(&table)?;
-    let mut positions = Vec::new();
-    while let Some(row) = table.next_row()? {
-        positions.push(Position {
+    table.read_rows(|row| {
+        Ok(Position {
             line: row.line(),
-            axes: columns.read_within_travel(&row)?,
-            point_mm: point.read(&row)?,
-        });
-    }
-    if positions.is_empty() {
-        return Err(table.no_rows());
-    }
-    Ok(positions)
+            axes: columns.read_within_travel(row)?,
+            point_mm: point.read(row)?,
+        })
+    })
 }

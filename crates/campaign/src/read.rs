@@ -91,35 +91,29 @@ struct Folder<'f, 't> {
 
 impl<'t> Folder<'_, 't> {
     fn read_lengths(&self, name: &str, campaign: &mut Campaign) -> Result<(), Error> {
-        self.check_lists(&["stations", "targets", "runs"], campaign, "lengths")?;
+        self.check_lists(campaign, "lengths")?;
         let (file, text) = self.text(name, "lengths")?;
         let (lengths, steps) = lengths::read(&file, &text, campaign)?;
         expansion::check_columns(name, &campaign.expansions, &lengths)
             .map_err(|error| Error::from(error).in_file(self.path))?;
-        let (stops, readings) = (&lengths.stops, &lengths.readings);
-        check_rows(&file, name, campaign, stops, readings, steps)?;
-        let unusual = plausibility::check_lengths(&file, name, campaign, &lengths)?;
-        let copies = plausibility::check_copies(&file, name, campaign, stops, readings)?;
-        campaign.notices.extend(unusual.into_iter().chain(copies));
-        campaign
-            .notices
-            .extend(notices::without_line_end(name, &text));
+        let table = (file.as_path(), name, &*text);
+        let rows = (&lengths.stops[..], &lengths.readings[..]);
+        check_rows(table, campaign, rows, steps, |campaign| {
+            plausibility::check_lengths(&file, name, campaign, &lengths)
+        })?;
         campaign.lengths = Some(lengths);
         Ok(())
     }
 
     fn read_points(&self, name: &str, campaign: &mut Campaign) -> Result<(), Error> {
-        self.check_lists(&["targets", "runs"], campaign, "points")?;
+        self.check_lists(campaign, "points")?;
         let (file, text) = self.text(name, "points")?;
         let (points, steps) = points::read(&file, &text, campaign)?;
-        let (stops, readings) = (&points.stops, &points.readings);
-        check_rows(&file, name, campaign, stops, readings, steps)?;
-        let unusual = plausibility::check_points(&file, name, campaign, &points)?;
-        let copies = plausibility::check_copies(&file, name, campaign, stops, readings)?;
-        campaign.notices.extend(unusual.into_iter().chain(copies));
-        campaign
-            .notices
-            .extend(notices::without_line_end(name, &text));
+        let table = (file.as_path(), name, &*text);
+        let rows = (&points.stops[..], &points.readings[..]);
+        check_rows(table, campaign, rows, steps, |campaign| {
+            plausibility::check_points(&file, name, campaign, &points)
+        })?;
         campaign.points = Some(points);
         Ok(())
     }
@@ -137,42 +131,36 @@ impl<'t> Folder<'_, 't> {
             let declared = verification::declared(index, &entry, machine).map_err(in_file)?;
             let field = format!("verification[{index}].readings");
             let (file, text) = self.text(&entry.readings, &field)?;
-            let rows: Vec<(Option<f64>, usize)> = if let Some(declared) = declared {
-                let verification = verification::read(&file, &text, declared, machine)?;
-                let rows = verification.readings.iter().map(|r| (r.time_s, r.line));
-                let rows = rows.collect();
-                campaign.verification.push(verification);
-                rows
+            let name = &entry.readings;
+            let clock = if let Some(declared) = declared {
+                let read = verification::read(&file, &text, declared, machine)?;
+                let timed = read.readings.iter().map(|r| Some((r.time_s?, r.line)));
+                let clock = notices::clock_going_back(name, timed.flatten());
+                campaign.verification.push(read);
+                clock
             } else {
-                let check = point_checks::read(&file, &text, &entry, machine)?;
-                let rows = check.readings.iter().map(|r| (r.time_s, r.line)).collect();
-                campaign.point_checks.push(check);
-                rows
+                let read = point_checks::read(&file, &text, &entry, machine)?;
+                let timed = read.readings.iter().map(|r| Some((r.time_s?, r.line)));
+                let clock = notices::clock_going_back(name, timed.flatten());
+                campaign.point_checks.push(read);
+                clock
             };
-            let timed = rows
-                .iter()
-                .filter_map(|&(time_s, line)| Some((time_s?, line)));
-            let clock = notices::clock_going_back(&entry.readings, timed);
-            let cut = notices::without_line_end(&entry.readings, &text);
+            let cut = notices::without_line_end(name, &text);
             campaign.notices.extend(clock.into_iter().chain(cut));
         }
         Ok(())
     }
 
-    /// Lists of `campaign.json` without which a table cannot be read.
-    fn check_lists(
-        &self,
-        lists: &[&str],
-        campaign: &Campaign,
-        needed_by: &'static str,
-    ) -> Result<(), Error> {
-        let is_empty = |list: &&&str| match **list {
-            "stations" => campaign.stations.is_empty(),
-            "targets" => campaign.targets.is_empty(),
-            _ => campaign.runs.is_empty(),
-        };
-        lists.iter().find(is_empty).map_or(Ok(()), |list| {
-            Err(Problem::EmptyList { needed_by }.at(Place::field(self.path, *list)))
+    /// Refuses a table without the lists of `campaign.json` that it refers to.
+    fn check_lists(&self, campaign: &Campaign, needed_by: &'static str) -> Result<(), Error> {
+        let without_stations = needed_by == "lengths" && campaign.stations.is_empty();
+        let lists = [
+            ("stations", without_stations),
+            ("targets", campaign.targets.is_empty()),
+            ("runs", campaign.runs.is_empty()),
+        ];
+        lists.iter().find(|list| list.1).map_or(Ok(()), |list| {
+            Err(Problem::EmptyList { needed_by }.at(Place::field(self.path, list.0)))
         })
     }
 
@@ -189,21 +177,28 @@ impl<'t> Folder<'_, 't> {
     }
 }
 
-/// Checks rows against each other and puts the steps into the campaign.
+/// Checks the rows of a table (its file, name and text) against each other and then, by `against_machine`, against the motion
+/// of the machine; puts the steps and what is unusual into the campaign.
 fn check_rows<R: Reading>(
-    file: &Path,
-    name: &str,
+    (file, name, text): (&Path, &str, &str),
     campaign: &mut Campaign,
-    stops: &[Stop],
-    readings: &[R],
+    (stops, readings): (&[Stop], &[R]),
     steps: Steps,
+    against_machine: impl FnOnce(&Campaign) -> Result<Vec<String>, Error>,
 ) -> Result<(), Error> {
     duplicates::check(file, stops, readings, &campaign.targets)?;
-    let clock = plausibility::check_order(file, name, stops, readings)?;
+    let mut found = plausibility::check_order(file, name, stops, readings)?;
     near_positions::check(file, campaign, (stops, readings), &steps)?;
     run_axes::check(file, campaign, &steps)?;
     campaign.steps = steps.steps;
-    let unseen = notices::without_rows(name, campaign, stops, readings);
-    campaign.notices.extend(clock.into_iter().chain(unseen));
+    found.extend(notices::without_rows(name, campaign, stops, readings));
+    found.extend(against_machine(campaign)?);
+    let copies = plausibility::check_copies(file, name, campaign, stops, readings)?;
+    found.extend(
+        copies
+            .into_iter()
+            .chain(notices::without_line_end(name, text)),
+    );
+    campaign.notices.extend(found);
     Ok(())
 }

@@ -41,9 +41,17 @@ impl Rows {
     }
 
     /// A number, or an empty cell.
-    pub(crate) fn optional_number(&mut self, number: Option<f64>) {
+    pub(crate) fn optional(&mut self, number: Option<impl Display>) {
         match number {
             Some(number) => self.number(number),
+            None => self.separate(),
+        }
+    }
+
+    /// A time, s; an empty cell, which no reading accepts, where only other readings have one.
+    pub(crate) fn optional_time_s(&mut self, time_s: Option<f64>) {
+        match time_s {
+            Some(time_s) => self.time_s(time_s),
             None => self.separate(),
         }
     }
@@ -60,9 +68,10 @@ impl Rows {
 
     /// Several cells made by [`position_cells`].
     pub(crate) fn positions(&mut self, cells: &str) {
-        let first = cells.strip_prefix(',').filter(|_| !self.row_has_cells);
-        self.text.push_str(first.unwrap_or(cells));
-        self.row_has_cells = true;
+        if !cells.is_empty() {
+            self.separate();
+            self.text.push_str(cells);
+        }
     }
 
     pub(crate) fn end_row(&mut self) {
@@ -98,11 +107,11 @@ impl Rows {
     }
 }
 
-/// The cells of the axes, each after a comma, in the units of the files.
+/// The cells of the axes, in the units of the files.
 pub(crate) fn position_cells(machine: &Machine, positions: &[f64]) -> String {
     let axes = machine.axes().iter().zip(positions);
-    axes.map(|(axis, &position)| format!(",{}", position_unit::in_file(axis.kind(), position)))
-        .collect()
+    let cells = axes.map(|(axis, &q)| position_unit::in_file(axis.kind(), q).to_string());
+    cells.collect::<Vec<_>>().join(",")
 }
 
 #[cfg(test)]

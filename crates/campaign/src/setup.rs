@@ -13,24 +13,39 @@ use crate::{Instrument, KnownDeadPath, Run, Station, Target};
 /// A standard deviation that is none, by its field in `campaign.json`.
 pub fn check_instrument(instrument: &Instrument) -> Result<(), DocumentError> {
     let of = instrument;
-    let (zero, more) = ("zero or more", "more than zero");
+    let (more_than_zero, or_zero) = (false, true);
     let sigmas = [
-        ("length_sigma_um", of.length_sigma_um, more),
-        ("length_sigma_ppm", of.length_sigma_ppm, zero),
-        ("repeatability_um", of.repeatability_um, zero),
-        ("reflector_sigma_um", of.reflector_sigma_um, more),
-        ("scale_sigma_ppm", of.scale_sigma_ppm, more),
+        ("length_sigma_um", of.length_sigma_um, more_than_zero),
+        ("length_sigma_ppm", of.length_sigma_ppm, or_zero),
+        ("repeatability_um", of.repeatability_um, or_zero),
+        ("reflector_sigma_um", of.reflector_sigma_um, more_than_zero),
+        ("scale_sigma_ppm", of.scale_sigma_ppm, more_than_zero),
     ];
-    for (field, sigma, least) in sigmas {
-        let zero_too = least == zero;
-        if let Some(sigma) = sigma.filter(|&sigma| sigma < 0.0 || (sigma == 0.0 && !zero_too)) {
-            let found = format!("a standard deviation of {sigma}");
-            let expected = format!("{least}; leave it out if it is not known");
-            let problem = DocumentProblem::value(found, expected);
-            return Err(problem.in_field(format!("instrument.{field}")));
-        }
-    }
-    Ok(())
+    sigmas.into_iter().try_for_each(|(field, sigma, or_zero)| {
+        let field = format!("instrument.{field}");
+        check_sigma(field, "standard deviation", sigma, "", or_zero)
+    })
+}
+
+/// Refuses a standard deviation or uncertainty (`what`) that is none; the `unit` in messages begins with a blank.
+pub(crate) fn check_sigma(
+    field: String,
+    what: &str,
+    sigma: Option<f64>,
+    unit: &str,
+    or_zero: bool,
+) -> Result<(), DocumentError> {
+    let is_none = |sigma: &f64| *sigma < 0.0 || (*sigma == 0.0 && !or_zero);
+    sigma.filter(is_none).map_or(Ok(()), |sigma| {
+        let least = if or_zero {
+            "zero or more"
+        } else {
+            "more than zero"
+        };
+        let expected = format!("{least}; leave it out if it is not known");
+        let problem = DocumentProblem::value(format!("a {what} of {sigma}{unit}"), expected);
+        Err(problem.in_field(field))
+    })
 }
 
 /// The targets, with their carriers looked up.
@@ -88,14 +103,7 @@ pub fn check_reflectors(targets: &[Target]) -> Result<(), DocumentError> {
 
 /// What is declared in mm must be possible.
 fn check_sigma_mm(field: String, sigma_mm: Option<f64>) -> Result<(), DocumentError> {
-    match sigma_mm {
-        Some(sigma_mm) if sigma_mm <= 0.0 => {
-            let found = format!("a standard deviation of {sigma_mm} mm");
-            let expected = "more than zero; leave it out if it is not known";
-            Err(DocumentProblem::value(found, expected).in_field(field))
-        }
-        _ => Ok(()),
-    }
+    check_sigma(field, "standard deviation", sigma_mm, " mm", false)
 }
 
 /// The stations.

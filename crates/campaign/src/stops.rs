@@ -73,8 +73,8 @@ impl<'a> StopReader<'a> {
         })
     }
 
-    /// Reads the shared part of `row`, which is reading number `reading`.
-    pub(crate) fn read(&mut self, row: &Row<'_>, reading: usize) -> Result<Sighting, Error> {
+    /// Reads the shared part of `row`, which is the next reading.
+    pub(crate) fn read(&mut self, row: &Row<'_>) -> Result<Sighting, Error> {
         let time_s = row.time_s(self.time)?;
         let station = match &mut self.station {
             Some((column, names)) => row.name(*column, names)?,
@@ -101,6 +101,7 @@ impl<'a> StopReader<'a> {
                 self.steps.add(run, &self.positions, row.line())
             }
         };
+        let reading = self.stops.last().map_or(0, |stop| stop.readings.end);
         let stop = Stop {
             station,
             repeat,
@@ -176,11 +177,17 @@ pub(crate) fn append(
     }
 }
 
+impl Stop {
+    /// What consecutive rows of one stop have in common.
+    pub(crate) fn visit(&self) -> (usize, u32, usize, Direction) {
+        (self.station, self.repeat, self.step, self.direction)
+    }
+}
+
 /// Appends readings that follow, at the last stop or at a new one.
 fn stay_or_arrive(stops: &mut Vec<Stop>, next: Stop) {
-    let key = |stop: &Stop| (stop.station, stop.repeat, stop.step, stop.direction);
     match stops.last_mut() {
-        Some(stop) if key(stop) == key(&next) => stop.readings.end = next.readings.end,
+        Some(stop) if stop.visit() == next.visit() => stop.readings.end = next.readings.end,
         _ => stops.push(next),
     }
 }

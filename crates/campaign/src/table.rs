@@ -153,6 +153,21 @@ impl<'a> Table<'a> {
         Problem::File(FileProblem::Unreadable { source }).at(Place::file(self.file))
     }
 
+    /// What `read` makes of each row, of which there is one at least.
+    pub(crate) fn read_rows<T>(
+        &mut self,
+        mut read: impl FnMut(&Row<'_>) -> Result<T, Error>,
+    ) -> Result<Vec<T>, Error> {
+        let mut found = Vec::new();
+        while let Some(row) = self.next_row()? {
+            found.push(read(&row)?);
+        }
+        match found.is_empty() {
+            true => Err(self.no_rows()),
+            false => Ok(found),
+        }
+    }
+
     /// The error for a table without rows.
     pub(crate) fn no_rows(&self) -> Error {
         Problem::NoRows.at(Place::file(self.file))

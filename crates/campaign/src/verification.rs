@@ -10,13 +10,16 @@ use crate::axis_columns::AxisColumns;
 use crate::document::{VerificationEntry, VerificationKindEntry};
 use crate::rows::{Rows, position_cells};
 use crate::run_axes::check_moves;
-use crate::setup::axis_names;
+use crate::setup::{axis_names, check_sigma};
 use crate::stops::required_columns;
 use crate::table::Table;
 use crate::{Error, Place, Problem, Verification, VerificationKind, VerificationReading};
 
 /// Columns before those of the axes.
-const FIRST_COLUMNS: [&str; 2] = ["cycle", "direction"];
+pub(crate) const FIRST_COLUMNS: [&str; 2] = ["cycle", "direction"];
+
+/// The columns of the measured value: along a laser line, of a ball bar.
+pub(crate) const VALUE_COLUMNS: [&str; 2] = ["deviation_um", "delta_um"];
 
 /// The optional column.
 const TIME_COLUMN: &str = "time_s";
@@ -30,27 +33,25 @@ fn kind(
     use VerificationKindEntry::{Ballbar, Points, Positioning};
     let path = format!("verification[{index}]");
     // Which fields an entry may have depends on its kind.
-    let of_line = [
-        ("axis", entry.axis.is_some()),
-        ("target_mm", entry.target_mm.is_some()),
+    let (line, bar) = ((Positioning, "positioning"), (Ballbar, "ballbar"));
+    let fields = [
+        ("axis", line, entry.axis.is_some()),
+        ("target_mm", line, entry.target_mm.is_some()),
+        ("ball_mm", bar, entry.ball_mm.is_some()),
+        ("ball_carried_by", bar, entry.ball_carried_by.is_some()),
+        ("center_mm", bar, entry.center_mm.is_some()),
+        (
+            "length_is_calibrated",
+            bar,
+            entry.length_is_calibrated.is_some(),
+        ),
     ];
-    let of_bar = [
-        ("ball_mm", entry.ball_mm.is_some()),
-        ("ball_carried_by", entry.ball_carried_by.is_some()),
-        ("center_mm", entry.center_mm.is_some()),
-        ("length_is_calibrated", entry.length_is_calibrated.is_some()),
-    ];
-    for (kind, of, fields) in [
-        ("positioning", Positioning, &of_line[..]),
-        ("ballbar", Ballbar, &of_bar),
-    ] {
-        let mut fields = fields.iter().filter(|_| of != entry.kind);
-        if let Some((name, _)) = fields.find(|(_, is_there)| *is_there) {
-            let found = format!("`{name}` belongs to the kind `{kind}`");
-            let expected = "only fields of the kind given; remove it, or correct `kind`";
-            let place = Place::in_field(format!("{path}.{name}"));
-            return Err(Problem::value(found, expected).at(place));
-        }
+    let mut foreign = fields.iter().filter(|(_, (of, _), _)| *of != entry.kind);
+    if let Some((name, (_, kind), _)) = foreign.find(|(.., is_there)| *is_there) {
+        let found = format!("`{name}` belongs to the kind `{kind}`");
+        let expected = "only fields of the kind given; remove it, or correct `kind`";
+        let place = Place::in_field(format!("{path}.{name}"));
+        return Err(Problem::value(found, expected).at(place));
     }
     let missing = |name| Problem::missing(name).at(Place::in_field(path.as_str()));
     let point =
@@ -83,17 +84,10 @@ pub(crate) fn declared(
     machine: &Machine,
 ) -> Result<Option<Verification>, Error> {
     let kind = kind(index, entry, machine)?;
-    let refused = |field: &str, u: f64, expected: &str| {
-        let found = format!("a standard uncertainty of {u}");
-        let place = Place::in_field(format!("verification[{index}].{field}"));
-        Err(Problem::value(found, expected).at(place))
-    };
     let &VerificationEntry { u_um, u_ppm, .. } = entry;
-    if let Some(u) = u_um.filter(|&u| u <= 0.0) {
-        return refused("u_um", u, "more than zero; leave it out if it is not known");
-    }
-    if let Some(u) = u_ppm.filter(|&u| u < 0.0) {
-        return refused("u_ppm", u, "zero or more; leave it out if it is not known");
+    for (field, u, or_zero) in [("u_um", u_um, false), ("u_ppm", u_ppm, true)] {
+        let field = format!("verification[{index}].{field}");
+        check_sigma(field, "standard uncertainty", u, "", or_zero)?;
     }
     Ok(kind.map(|kind| Verification {
         name: entry.name.clone(),
@@ -120,21 +114,17 @@ pub(crate) fn read(
     let mut axes = AxisColumns::of(&table, machine)?;
     let value = table.column(value_column)?;
 
-    let mut readings = Vec::new();
-    while let Some(row) = table.next_row()? {
-        let positions = axes.read_within_travel(&row)?;
-        readings.push(VerificationReading {
+    let readings = table.read_rows(|row| {
+        let positions = axes.read_within_travel(row)?;
+        Ok(VerificationReading {
             time_s: time.map(|column| row.time_s(column)).transpose()?,
             cycle: row.counting_number(cycle)?,
             direction: row.direction(direction)?,
             positions,
             value_um: row.number(value)?,
             line: row.line(),
-        });
-    }
-    if readings.is_empty() {
-        return Err(table.no_rows());
-    }
+        })
+    })?;
     if let VerificationKind::Positioning { axis, .. } = declared.kind {
         let rows = readings.iter().map(|r| (r.positions.as_slice(), r.line));
         let of = ("verification", declared.name.as_str());
@@ -197,11 +187,7 @@ pub(crate) fn text(verification: &Verification, machine: &Machine) -> String {
     let mut rows = Rows::with_header(time_column.into_iter().chain(columns));
     for reading in &verification.readings {
         if has_time {
-            // A time that only some readings have is an empty cell, which no reading accepts.
-            match reading.time_s {
-                Some(time_s) => rows.time_s(time_s),
-                None => rows.optional_number(None),
-            }
+            rows.optional_time_s(reading.time_s);
         }
         rows.number(reading.cycle);
         rows.number(reading.direction.sign());
@@ -214,9 +200,10 @@ pub(crate) fn text(verification: &Verification, machine: &Machine) -> String {
 
 /// The column of the measured value.
 fn value_column(kind: &VerificationKind) -> &'static str {
+    let [of_line, of_bar] = VALUE_COLUMNS;
     match kind {
-        VerificationKind::Positioning { .. } => "deviation_um",
-        VerificationKind::Ballbar { .. } => "delta_um",
+        VerificationKind::Positioning { .. } => of_line,
+        VerificationKind::Ballbar { .. } => of_bar,
     }
 }
 

@@ -8,6 +8,7 @@
 //! same. Two stations: an error, because no two places see the same lengths of a motion.
 
 use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 
 use crate::reading::{Reading, readings_of};
@@ -96,22 +97,8 @@ pub(crate) fn check<R: Reading>(
 
 /// Of what was read where; the time is none of it.
 fn hash<R: Reading>(stop: &Stop, reading: &R) -> u64 {
-    let place = [
-        stop.step as u64,
-        stop.direction as u64,
-        reading.target() as u64,
-    ];
-    let values = reading.values().map(f64::to_bits);
-    place
-        .into_iter()
-        .chain(values)
-        .fold(0, |hash, word| mixed(hash ^ word))
-}
-
-/// The finaliser of `SplitMix64` (Steele, Lea, Flood 2014): every bit of a word changes half of the bits.
-fn mixed(word: u64) -> u64 {
-    let word = word.wrapping_add(0x9E37_79B9_7F4A_7C15);
-    let word = (word ^ (word >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    let word = (word ^ (word >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    word ^ (word >> 31)
+    let mut hasher = DefaultHasher::new();
+    (stop.step, stop.direction, reading.target()).hash(&mut hasher);
+    reading.values().map(f64::to_bits).hash(&mut hasher);
+    hasher.finish()
 }

@@ -91,33 +91,30 @@ impl Hypothesis {
     }
 }
 
-/// A unit in which a length may have been given.
-#[derive(Clone, Copy)]
-struct Unit {
-    name: &'static str,
-    symbol: &'static str,
-    factor: f64,
-}
-
-impl Unit {
-    const fn new(name: &'static str, symbol: &'static str, factor: f64) -> Self {
-        Self {
-            name,
-            symbol,
-            factor,
-        }
-    }
-}
+/// A unit in which values may have been given: its name, its symbol, and what to multiply them by.
+type Unit = (&'static str, &'static str, f64);
 
 /// Largest factor first: of two factors that both explain lengths which change too little, the
 /// larger one makes them change like the targets.
 const LENGTH_UNITS: [Unit; 3] = [
-    Unit::new("metres", "m", 1000.0),
-    Unit::new("inches", "in", 25.4),
-    Unit::new("micrometres", "um", 1e-3),
+    ("metres", "m", 1000.0),
+    ("inches", "in", 25.4),
+    ("micrometres", "um", 1e-3),
 ];
 
-const ANGLE_UNITS: [Unit; 1] = [Unit::new("radians", "rad", 180.0 / PI)];
+const ANGLE_UNITS: [Unit; 1] = [("radians", "rad", 180.0 / PI)];
+
+/// The mistake that `columns` are in a unit instead of the `expected` one.
+fn mistake(columns: String, unit: Unit, expected: &'static str) -> Option<Box<UnitMistake>> {
+    let (looks_like, symbol, factor) = unit;
+    Some(Box::new(UnitMistake {
+        columns,
+        looks_like,
+        symbol,
+        expected,
+        factor,
+    }))
+}
 
 /// No tracker reaches farther than this, mm: an axis that moves more is given in another unit.
 const LONGEST_AXIS_MM: f64 = 1e5;
@@ -160,17 +157,14 @@ fn measured(
     station: Option<usize>,
     columns: String,
 ) -> impl Iterator<Item = Hypothesis> {
-    LENGTH_UNITS.into_iter().map(move |unit| Hypothesis {
-        measured_factor: unit.factor,
-        station,
-        mistake: Some(Box::new(UnitMistake {
-            columns: columns.clone(),
-            looks_like: unit.name,
-            symbol: unit.symbol,
-            expected: "mm",
-            factor: unit.factor,
-        })),
-        ..Hypothesis::as_given(campaign)
+    LENGTH_UNITS.into_iter().map(move |unit| {
+        let (.., measured_factor) = unit;
+        Hypothesis {
+            measured_factor,
+            station,
+            mistake: mistake(columns.clone(), unit, "mm"),
+            ..Hypothesis::as_given(campaign)
+        }
     })
 }
 
@@ -207,22 +201,17 @@ fn of_these_columns(campaign: &Campaign, columns: &[usize]) -> Vec<Hypothesis> {
         AxisKind::Rotary => &ANGLE_UNITS,
     };
     let names: Vec<&str> = chosen().map(|(_, axis)| axis.name()).collect();
-    let possible = units.iter().filter(|unit| {
-        chosen().all(|(index, axis)| stays_possible(campaign, index, axis, unit.factor))
+    let possible = units.iter().filter(|(.., factor)| {
+        chosen().all(|(index, axis)| stays_possible(campaign, index, axis, *factor))
     });
     possible
-        .map(|unit| {
+        .map(|&unit| {
+            let (.., factor) = unit;
             let mut hypothesis = Hypothesis::as_given(campaign);
             for &index in columns {
-                hypothesis.axis_factors[index] = unit.factor;
+                hypothesis.axis_factors[index] = factor;
             }
-            hypothesis.mistake = Some(Box::new(UnitMistake {
-                columns: names.join(", "),
-                looks_like: unit.name,
-                symbol: unit.symbol,
-                expected: kind.position_unit(),
-                factor: unit.factor,
-            }));
+            hypothesis.mistake = mistake(names.join(", "), unit, kind.position_unit());
             hypothesis
         })
         .collect()

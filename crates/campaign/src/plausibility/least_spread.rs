@@ -47,41 +47,32 @@ pub(crate) fn too_small(
 ) -> Option<TooSmall> {
     let series = series(lengths, nominal);
     let stations: BTreeSet<usize> = series.keys().map(|&(station, _)| station).collect();
-    let spread_mm = |station: usize, moments: &Moments| {
-        moments.length_std_mm() * hypothesis.measured_factor(station)
+    // The first series of a station if the lengths of all those for which `size_mm` is more than `least_size_mm`
+    // spread less than `part` of it.
+    let below = |station: usize, size_mm: fn(&Moments) -> f64, least_size_mm: f64, part: f64| {
+        let own = series.range((station, 0)..=(station, usize::MAX));
+        let sized = own.map(|(&(_, target), moments)| (target, moments, size_mm(moments)));
+        let telling = sized.filter(|&(_, _, size_mm)| size_mm > least_size_mm);
+        all_too_small(telling.map(|(target, moments, size_mm)| TooSmall {
+            station,
+            target,
+            line: moments.line,
+            spread_mm: moments.length_std_mm() * hypothesis.measured_factor(station),
+            least_mm: part * size_mm,
+        }))
     };
-    let of_station = |station: usize| series.range((station, 0)..=(station, usize::MAX));
-
-    let against_bound = |&station: &usize| {
-        let bounded = of_station(station)
-            .map(|(key, moments)| (key, moments, moments.least_std_mm()))
-            .filter(|&(_, _, bound_mm)| bound_mm > LEAST_BOUND_MM);
-        all_too_small(
-            bounded.map(|(&(station, target), moments, bound_mm)| TooSmall {
-                station,
-                target,
-                line: moments.line,
-                spread_mm: spread_mm(station, moments),
-                least_mm: BOUND_PART * bound_mm,
-            }),
-        )
-    };
+    let against_bound =
+        |&station: &usize| below(station, Moments::least_std_mm, LEAST_BOUND_MM, BOUND_PART);
     if let Some(small) = stations.iter().find_map(against_bound) {
         return Some(small);
     }
-
     let against_motion = |&station: &usize| {
-        let moving = of_station(station)
-            .map(|(key, moments)| (key, moments, moments.motion_std_mm()))
-            .filter(|&(_, _, motion_mm)| motion_mm > LEAST_MOTION_MM);
-        all_too_small(
-            moving.map(|(&(station, target), moments, motion_mm)| TooSmall {
-                station,
-                target,
-                line: moments.line,
-                spread_mm: spread_mm(station, moments),
-                least_mm: LEAST_PART_OF_MOTION * motion_mm,
-            }),
+        let least_mm = LEAST_MOTION_MM;
+        below(
+            station,
+            Moments::motion_std_mm,
+            least_mm,
+            LEAST_PART_OF_MOTION,
         )
     };
     let all: Option<Vec<TooSmall>> = stations.iter().map(against_motion).collect();

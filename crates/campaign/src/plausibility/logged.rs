@@ -14,32 +14,22 @@ struct Range {
     others: &'static [OtherUnit],
 }
 
-/// Another unit: `(value - zero) factor` is in that of the format.
-struct OtherUnit {
-    /// Its name, and what to do with the values.
-    hint: &'static str,
-    zero: f64,
-    factor: f64,
-}
-
-impl OtherUnit {
-    const fn new(hint: &'static str, zero: f64, factor: f64) -> Self {
-        Self { hint, zero, factor }
-    }
-}
+/// Another unit: its name with what to do with the values, its zero and its factor; `(value - zero) factor` is in the
+/// unit of the format.
+type OtherUnit = (&'static str, f64, f64);
 
 /// Other units of a temperature.
 const TEMPERATURES: [OtherUnit; 2] = [
-    OtherUnit::new("kelvin: subtract 273.15", 273.15, 1.0),
-    OtherUnit::new("Fahrenheit: subtract 32, divide by 1.8", 32.0, 1.0 / 1.8),
+    ("kelvin: subtract 273.15", 273.15, 1.0),
+    ("Fahrenheit: subtract 32, divide by 1.8", 32.0, 1.0 / 1.8),
 ];
 
 /// Other units of a pressure.
 const PRESSURES: [OtherUnit; 4] = [
-    OtherUnit::new("Pa: divide by 100", 0.0, 0.01),
-    OtherUnit::new("kPa: multiply by 10", 0.0, 10.0),
-    OtherUnit::new("bar: multiply by 1000", 0.0, 1000.0),
-    OtherUnit::new("inches of mercury: multiply by 33.8639", 0.0, 33.8639),
+    ("Pa: divide by 100", 0.0, 0.01),
+    ("kPa: multiply by 10", 0.0, 10.0),
+    ("bar: multiply by 1000", 0.0, 1000.0),
+    ("inches of mercury: multiply by 33.8639", 0.0, 33.8639),
 ];
 
 impl LoggedQuantity {
@@ -89,12 +79,12 @@ impl LoggedQuantity {
         let unit = range.unit;
         let [low, high] = range.possible;
         let is_usual =
-            |other: &&OtherUnit| within(range.usual, (value - other.zero) * other.factor);
+            |&&(_, zero, factor): &&OtherUnit| within(range.usual, (value - zero) * factor);
         let looks_like = range.others.iter().find(is_usual);
         let shifted = [10.0, 100.0, 1000.0].map(|factor| value / factor);
         let lost_point = shifted.into_iter().find(|&v| within(range.usual, v));
         let hint = match (looks_like, lost_point) {
-            (Some(other), _) => format!("it looks like {}", other.hint),
+            (Some((other, ..)), _) => format!("it looks like {other}"),
             (None, Some(value)) => format!("is the decimal point missing, as in {value}?"),
             (None, None) => "leave the cell empty if nothing was measured".to_owned(),
         };

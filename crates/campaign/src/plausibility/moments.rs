@@ -32,6 +32,7 @@ const THINNEST_CLOUD_MM: f64 = 1.0;
 
 /// Sums over the readings of one target from one station, relative to the first of them: `x` is
 /// the point, `q = |x|²`, `l` the length.
+#[derive(Default)]
 pub(crate) struct Moments {
     first_point: Point3<f64>,
     first_length_mm: f64,
@@ -64,15 +65,7 @@ impl Moments {
             first_point,
             first_length_mm,
             line,
-            count: 0.0,
-            x: Vector3::zeros(),
-            xx: Matrix3::zeros(),
-            q: 0.0,
-            qq: 0.0,
-            qx: Vector3::zeros(),
-            l: 0.0,
-            ll: 0.0,
-            sphere: None,
+            ..Self::default()
         }
     }
 

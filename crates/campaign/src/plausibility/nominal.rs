@@ -4,7 +4,7 @@ use nalgebra::Point3;
 use trueaxis_kinematics::Ideal;
 
 use super::hypothesis::Hypothesis;
-use super::pair::{End, Pair};
+use super::pairs::{End, Pair};
 use crate::Campaign;
 
 /// The nominal positions of all targets at all steps, mm.

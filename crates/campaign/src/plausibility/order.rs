@@ -87,9 +87,8 @@ struct Groups {
 
 impl Groups {
     fn of(rows: &[(f64, &Stop)]) -> Self {
-        let key = |stop: &Stop| (stop.station, stop.repeat, stop.step, stop.direction);
         Self {
-            stops: rows.chunk_by(|a, b| key(a.1) == key(b.1)).count(),
+            stops: rows.chunk_by(|a, b| a.1.visit() == b.1.visit()).count(),
             occupations: rows.chunk_by(|a, b| a.1.station == b.1.station).count(),
         }
     }

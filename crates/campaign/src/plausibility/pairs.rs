@@ -6,8 +6,7 @@ use nalgebra::Point3;
 
 use super::hypothesis::Hypothesis;
 use super::nominal::NominalPoints;
-use super::pair::{End, Pair};
-use crate::reading::readings_of;
+use crate::reading::{Reading, readings_of};
 use crate::{Campaign, Lengths, Points, Stop};
 
 /// How much more than nominal a target may move: axis directions and pivots are rough.
@@ -56,11 +55,7 @@ impl Pairs {
         for stop in &lengths.stops {
             let run = run_of(stop, campaign);
             for reading in readings_of(stop, &lengths.readings) {
-                let end = End {
-                    step: stop.step,
-                    target: reading.target,
-                    line: reading.line,
-                };
+                let end = End::of(stop, reading);
                 let length = (reading.length_mm, end);
                 let series = (stop.station, run, stop.repeat, reading.target);
                 let [shortest, longest] = extremes.entry(series).or_insert([length; 2]);
@@ -89,11 +84,7 @@ impl Pairs {
         for stop in &points.stops {
             let run = run_of(stop, campaign);
             for reading in readings_of(stop, &points.readings) {
-                let end = End {
-                    step: stop.step,
-                    target: reading.target,
-                    line: reading.line,
-                };
+                let end = End::of(stop, reading);
                 let measured = series.entry((run, reading.target)).or_default();
                 measured.push((end, reading.position_mm));
             }
@@ -185,6 +176,37 @@ impl Pairs {
 
 /// A measured point and the reading that it is from.
 type Measured = (End, Point3<f64>);
+
+/// Two readings, and what was measured between them.
+#[derive(Debug, Clone)]
+pub(crate) struct Pair {
+    /// Station of both.
+    pub(crate) station: usize,
+    /// Run of both.
+    pub(crate) run: usize,
+    /// The readings, the earlier row first.
+    pub(crate) ends: [End; 2],
+    /// Change of the length, or distance of the points, mm.
+    pub(crate) observed_mm: f64,
+}
+
+/// One of the two readings.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct End {
+    pub(crate) step: usize,
+    pub(crate) target: usize,
+    pub(crate) line: usize,
+}
+
+impl End {
+    fn of(stop: &Stop, reading: &impl Reading) -> Self {
+        Self {
+            step: stop.step,
+            target: reading.target(),
+            line: reading.line(),
+        }
+    }
+}
 
 impl Pair {
     fn new(station: usize, run: usize, a: End, b: End, observed_mm: f64) -> Self {
