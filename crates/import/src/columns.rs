@@ -2,13 +2,13 @@
 
 use trueaxis_files::DocumentProblem;
 
+use crate::Error;
 use crate::finder::{Finder, splits};
 use crate::import::Kind;
 use crate::map::Map;
 use crate::path::PlannedStop;
 use crate::pattern::Pattern;
 use crate::unit::{Quantity, Unit};
-use crate::{Error, Problem};
 
 /// Columns of both tables that are names or numbers of visits.
 pub(crate) const COMMON: [&str; 6] = ["time_s", "station", "run", "repeat", "direction", "target"];
@@ -111,10 +111,7 @@ impl Columns {
             .into_iter()
             .map(|(cell, pattern, _)| (cell, pattern))
             .collect();
-        let nothing = |name: &str, example: &str| {
-            let (name, example) = (name.to_owned(), example.to_owned());
-            Err(Problem::Nothing { name, example }.at(map.whole()))
-        };
+        let nothing = |name, example| Err(map.nothing(name, example));
         if kind == Kind::Lengths && columns.station.is_none() {
             return nothing("station", "station = { value = \"S1\" } below [columns]");
         }
@@ -169,16 +166,11 @@ impl Columns {
 
 /// Refuses columns that no table has.
 fn check_known(map: &Map) -> Result<(), Error> {
-    let known = COMMON
-        .iter()
-        .chain(&COORDINATES)
-        .chain([&LENGTH, &SIGMA])
-        .chain(&LOGGED);
-    let known: Vec<&str> = known.copied().collect();
+    let known = [&COMMON[..], &COORDINATES, &[LENGTH, SIGMA], &LOGGED].concat();
     for name in map.columns.keys() {
         if !known.contains(&name.as_str()) && !is_logged(name) {
-            let problem = DocumentProblem::unknown_name("column of the table", name, &known);
-            return Err(Problem::Document(problem).at(map.place(&format!("columns.{name}"))));
+            let problem = DocumentProblem::unknown_name("column of the table", name, known);
+            return Err(map.refused(&format!("columns.{name}"), problem));
         }
     }
     Ok(())

@@ -44,10 +44,6 @@ impl Problem {
             problem: self,
         }
     }
-
-    pub(crate) fn value(found: impl Into<String>, expected: impl Into<String>) -> Self {
-        Self::Document(DocumentProblem::value(found, expected))
-    }
 }
 
 /// What can be wrong with an export or its map. An [`Error`] says where.

@@ -35,7 +35,7 @@ pub(crate) fn splits(map: &Map, names: Names<'_>) -> Result<Vec<SplitCell>, Erro
                 let known = COMMON.into_iter();
                 let known = known.chain(map.axes.keys().map(String::as_str));
                 let problem = DocumentProblem::unknown_name("field", name, known);
-                return Err(Problem::Document(problem).at(map.place(&field)));
+                return Err(map.refused(&field, problem));
             }
         }
         let cell = cell(map, names, &format!("split[{index}].column"), &split.column)?;
@@ -93,18 +93,15 @@ impl Finder<'_> {
     pub(crate) fn axes(&self, path: &[PlannedStop<'_>]) -> Result<Vec<AxisColumn>, Error> {
         let map = self.map;
         if map.axes.is_empty() {
-            return Err(Problem::Nothing {
-                name: "positions of the axes".to_owned(),
-                example: "a table [axes] with each axis of the machine, as X = { column = \"X\", unit = \"mm\" }".to_owned(),
-            }
-            .at(map.whole()));
+            let example = "a table [axes] with each axis of the machine, as X = { column = \"X\", unit = \"mm\" }";
+            return Err(map.nothing("positions of the axes", example));
         }
         let legs = path.iter().map(|stop| stop.leg);
         let moving = legs.flat_map(|leg| leg.at.keys().chain([&leg.axis]));
         for axis in moving {
             if !map.axes.contains_key(axis) {
                 let problem = DocumentProblem::unknown_name("axis", axis, map.axes.keys());
-                return Err(Problem::Document(problem).at(map.place("stops.path")));
+                return Err(map.refused("stops.path", problem));
             }
         }
         let mut axes = Vec::new();
@@ -140,8 +137,7 @@ impl Finder<'_> {
             let Some(source) = self.column(name)? else {
                 let example =
                     format!("{name} = {{ column = \"…\", unit = \"mm\" }} below [columns]");
-                let name = name.to_owned();
-                return Err(Problem::Nothing { name, example }.at(map.whole()));
+                return Err(map.nothing(name, &example));
             };
             numbers.push(NumberColumn {
                 name: name.to_owned(),

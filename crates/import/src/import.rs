@@ -86,9 +86,8 @@ pub fn import(kind: Kind, bytes: &[u8], file: Option<&Path>, map: &Map) -> Resul
         ..Place::default()
     };
     let text = decode(bytes).map_err(|problem| problem.at(Box::new(place.clone())))?;
-    let planned = path::stops(&map.stops.path).map_err(|(index, problem)| {
-        Problem::Document(problem).at(map.place(&format!("stops.path[{index}]")))
-    })?;
+    let planned = path::stops(&map.stops.path)
+        .map_err(|(index, problem)| map.refused(&format!("stops.path[{index}]"), problem))?;
     let (separator, separator_words) = map.separator()?;
 
     // Which lines are rows?

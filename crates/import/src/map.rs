@@ -227,7 +227,7 @@ impl Map {
                 name: name.to_owned(),
                 alternatives,
             };
-            Problem::Document(problem).at(self.place(field))
+            self.refused(field, problem)
         })
     }
 
@@ -240,7 +240,18 @@ impl Map {
 
     /// An error with a value of the map.
     pub(crate) fn wrong(&self, field: &str, found: impl Into<String>, expected: &str) -> Error {
-        Problem::value(found, expected).at(self.place(field))
+        self.refused(field, DocumentProblem::value(found, expected))
+    }
+
+    /// An error with a name or value of the map.
+    pub(crate) fn refused(&self, field: &str, problem: DocumentProblem) -> Error {
+        Problem::Document(problem).at(self.place(field))
+    }
+
+    /// The error that nothing says the `name` of a row.
+    pub(crate) fn nothing(&self, name: &str, example: &str) -> Error {
+        let (name, example) = (name.to_owned(), example.to_owned());
+        Problem::Nothing { name, example }.at(self.whole())
     }
 
     /// A field of the map with its line.
