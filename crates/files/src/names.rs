@@ -1,6 +1,6 @@
 //! The names in a document: each its own, and found by name.
 
-use crate::{Alternatives, DocumentError, DocumentProblem};
+use crate::{DocumentError, DocumentProblem};
 
 /// Checks that names can be distinguished; `list` is the path of their list, such as `targets`, and `what` the
 /// kind in the singular. Cells of tables are read without the blanks around them, so a name must not
@@ -40,11 +40,7 @@ pub fn index_of(
 ) -> Result<usize, DocumentError> {
     let found = known.iter().position(|&other| other == name);
     found.ok_or_else(|| {
-        let problem = DocumentProblem::UnknownName {
-            what,
-            name: name.to_owned(),
-            alternatives: Alternatives::new(name, known),
-        };
+        let problem = DocumentProblem::unknown_name(what, name, known);
         problem.in_field(field)
     })
 }

@@ -11,9 +11,6 @@ const MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
 /// The elements begin at a multiple of this, so that the file can be mapped into memory.
 const ALIGNMENT: usize = 64;
 
-/// Most dimensions that `NumPy` takes.
-const MAX_DIMENSIONS: usize = 32;
-
 /// The bytes of a `.npy` file of an array with that `shape`, `data` in C order (the last index
 /// runs fastest): little-endian f64, format 1.0.
 ///
@@ -23,7 +20,7 @@ const MAX_DIMENSIONS: usize = 32;
 /// ```
 ///
 /// # Panics
-/// If `data` does not have as many elements as `shape` says, or `shape` more than 32 dimensions.
+/// If `data` does not have as many elements as `shape` says.
 pub fn to_npy(shape: &[usize], data: impl Iterator<Item = f64>) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(2 * ALIGNMENT + 8 * shape.iter().product::<usize>());
     // Memory takes everything.
@@ -46,15 +43,10 @@ pub(crate) fn write_npy(
     shape: &[usize],
     data: impl Iterator<Item = f64>,
 ) -> io::Result<()> {
-    assert!(
-        shape.len() <= MAX_DIMENSIONS,
-        "{} dimensions, NumPy takes {MAX_DIMENSIONS}",
-        shape.len()
-    );
     let count: usize = shape.iter().product();
     let header = header(shape);
     out.write_all(MAGIC)?;
-    // 32 dimensions of 20 digits stay far below the largest u16.
+    // The 32 dimensions of 20 digits that NumPy takes at the most stay far below the largest u16.
     out.write_all(&u16::try_from(header.len()).unwrap_or(0).to_le_bytes())?;
     out.write_all(header.as_bytes())?;
     let (mut found, mut used) = (0, 0);

@@ -90,7 +90,7 @@ impl<W: Write + Seek> NpzWriter<W> {
     /// If there is an array with this name already; those of `out` come at the end.
     ///
     /// # Panics
-    /// If `data` does not have as many elements as `shape` says, or `shape` more than 32 dimensions.
+    /// If `data` does not have as many elements as `shape` says.
     pub fn array(
         &mut self,
         name: &str,
