@@ -60,6 +60,23 @@ pub(crate) fn increasing(field: &str, values: &[f64]) -> Result<(), Error> {
     Ok(())
 }
 
+/// As many values as there are increasing places (`what`), one at least; both with the names of their fields.
+pub(crate) fn table(
+    field: &str,
+    what: &str,
+    (of_places, places): (&str, &[f64]),
+    (of_values, values): (&str, &[f64]),
+) -> Result<(), Error> {
+    finite(&format!("{field}.{of_values}"), values)?;
+    increasing(&format!("{field}.{of_places}"), places)?;
+    if places.is_empty() || places.len() != values.len() {
+        let (p, v) = (places.len(), values.len());
+        let words = format!("as many values as {what}, found {v} and {p}");
+        return Err(expected(field, words));
+    }
+    Ok(())
+}
+
 /// At least one, none empty, none twice; `list` is the path of the list that holds the names.
 pub(crate) fn distinct_names(list: &str, what: &'static str, names: &[&str]) -> Result<(), Error> {
     if names.is_empty() {

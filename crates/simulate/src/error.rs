@@ -21,6 +21,11 @@ pub struct Error {
 }
 
 impl Error {
+    pub(crate) fn new(place: Box<Place>, problem: Problem) -> Self {
+        let problem = Box::new(problem);
+        Self { place, problem }
+    }
+
     /// The same error in a text, perhaps of a file.
     pub(crate) fn in_text(mut self, text: &str, file: Option<&Path>) -> Self {
         let field = match &*self.problem {
@@ -50,29 +55,20 @@ impl std::error::Error for Error {
 
 impl From<DocumentError> for Error {
     fn from(error: DocumentError) -> Self {
-        Self {
-            place: error.place,
-            problem: Box::new(Problem::Document(error.problem)),
-        }
+        Self::new(error.place, Problem::Document(error.problem))
     }
 }
 
 impl From<trueaxis_campaign::Error> for Error {
     fn from(error: trueaxis_campaign::Error) -> Self {
-        Self {
-            place: error.place,
-            problem: Box::new(Problem::Campaign(error.problem)),
-        }
+        Self::new(error.place, Problem::Campaign(error.problem))
     }
 }
 
 impl From<trueaxis_effects::Error> for Error {
     /// The place is in the error itself.
     fn from(error: trueaxis_effects::Error) -> Self {
-        Self {
-            place: Box::default(),
-            problem: Box::new(Problem::Effect(error)),
-        }
+        Self::new(Box::default(), Problem::Effect(error))
     }
 }
 
@@ -231,9 +227,6 @@ pub enum Problem {
 impl Problem {
     /// The error with this problem in a field of the scenario.
     pub(crate) fn at(self, field: impl Into<String>) -> Error {
-        Error {
-            place: Place::in_field(field),
-            problem: Box::new(self),
-        }
+        Error::new(Place::in_field(field), self)
     }
 }

@@ -30,22 +30,11 @@
 //!
 //! # Frame and gauge of the truth
 //!
-//! Location errors and component errors mean something only in a frame and a gauge. The truth has
-//! those of a calibration:
-//!
-//! - **Gauge** ([`Gauge::LeastSquares`]). Over the different commanded positions of all runs of
-//!   an axis, the curves lose what belongs to the average line or axis. Linear axis: across its
-//!   direction δ loses its least-squares line; along it, δ loses its value at home, and so does ε.
-//!   Rotary axis: across its direction δ and ε each lose their least-squares `a + R(θ) b` (the
-//!   mean in the fixed and in the turning frame); along it they lose their value at home. So the
-//!   location errors of the scenario are those that an ideal measurement finds. "At home" is at
-//!   position 0, between two steps on the straight line, outside the steps at the nearest one.
-//! - **Frame.** That of `trueaxis_kinematics::FrameRule`: x lies along the average line of the first
-//!   linear axis that runs (in the order X, Y, Z of nearest directions), the second one lies in a plane
-//!   of the frame, and the origin is where the mounting errors of the targets that anchor it have zero
-//!   mean. Without two linear runs these targets also give orientation. A shift along itself of a rotary
-//!   axis that carries them is zero by definition. A scenario that contradicts this is refused with the
-//!   reason.
+//! Location errors and component errors mean something only in a frame and a gauge. The truth has those of a
+//! calibration (`docs/scenario.md` of the repository). Over the different commanded positions of all runs of an axis the
+//! curves lose what belongs to the average line or axis ([`Gauge::LeastSquares`]), so that the location errors of the
+//! scenario are those that an ideal measurement finds. The frame is that of `trueaxis_kinematics::FrameRule`; a scenario
+//! that contradicts it is refused with the reason.
 //!
 //! A shift along itself of another rotary axis (`Z0C`) is only told from the mounting of its targets if
 //! their mounting errors have zero mean along it.

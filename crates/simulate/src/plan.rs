@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use nalgebra::{Point3, Vector3};
 use trueaxis_campaign::{AxisExpansion, Target, frame_rule};
 use trueaxis_effects::{ResolvedEffect, Scene, SceneTarget, resolve_all};
-use trueaxis_files::{DocumentProblem, index_of};
+use trueaxis_files::index_of;
 use trueaxis_kinematics::{Axis, FrameRule, Machine};
 
 use crate::check;
@@ -39,7 +39,9 @@ pub(crate) struct Plan {
 
 impl Plan {
     pub(crate) fn new(scenario: &Scenario) -> Result<Self, Error> {
-        check_header(scenario)?;
+        if scenario.repeats == 0 {
+            return Err(check::expected("repeats", "at least 1"));
+        }
         let machine = scenario.machine.build()?;
         let targets = plan_targets(scenario, &machine)?;
         let mounted = scenario.targets.iter().zip(&targets);
@@ -79,24 +81,6 @@ impl Plan {
             expansions,
         })
     }
-}
-
-fn check_header(scenario: &Scenario) -> Result<(), Error> {
-    let expected = Scenario::FORMAT;
-    if scenario.format != expected.name {
-        let found = format!("\"{}\"", scenario.format);
-        let problem = DocumentProblem::Format { found, expected };
-        return Err(problem.in_field("format").into());
-    }
-    if scenario.version != expected.version {
-        let (found, expected) = (scenario.version.to_string(), expected.version);
-        let problem = DocumentProblem::Version { found, expected };
-        return Err(problem.in_field("version").into());
-    }
-    if scenario.repeats == 0 {
-        return Err(check::expected("repeats", "at least 1"));
-    }
-    Ok(())
 }
 
 fn plan_targets(scenario: &Scenario, machine: &Machine) -> Result<Vec<Target>, Error> {

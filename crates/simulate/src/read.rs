@@ -15,10 +15,8 @@ impl Scenario {
     /// With file, line and reason.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        let text = fs::read_to_string(path).map_err(|source| Error {
-            place: Place::file(path),
-            problem: Box::new(Problem::Read(source)),
-        })?;
+        let text = fs::read_to_string(path)
+            .map_err(|source| Error::new(Place::file(path), Problem::Read(source)))?;
         parse(&text, Some(path))
     }
 

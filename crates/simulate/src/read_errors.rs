@@ -8,7 +8,7 @@ use crate::check;
 use crate::frame::why_zero;
 use crate::gauge::GaugePart;
 use crate::plan::PlannedRun;
-use crate::true_errors::{Curve, TrueAxis};
+use crate::true_errors::{Curve, TrueAxis, unit_of};
 use crate::{AxisErrors, Error, Gauge, LocationValue, Problem, Scenario};
 
 /// The true errors of every axis of the machine, in the gauge that the scenario asks for.
@@ -56,11 +56,7 @@ fn curves(field: &str, axis: &Axis, spec: &AxisErrors) -> Result<[Curve; 6], Err
             .get(&component.name(axis.name()))
             .cloned()
             .unwrap_or_default(),
-        scale: if component.is_angular() {
-            ARCSEC
-        } else {
-            MICROMETRE
-        },
+        scale: unit_of(component),
     }))
 }
 

@@ -14,8 +14,9 @@ use std::collections::BTreeMap;
 use trueaxis_campaign::{Campaign, MachineSpec};
 use trueaxis_effects::{GivenEffect, GivenParameter, GivenSubject};
 use trueaxis_files::{counted, round};
-use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
+use trueaxis_kinematics::{ARCSEC, AxisKind, Component};
 
+use crate::true_errors::unit_of;
 use crate::{
     AxisErrors, BedSpec, Error, Gauge, LocationValue, NoiseSpec, ReflectorSpec, RunSpec, Scenario,
     StationSpec, SystematicSpec, Term, Timing, TrueComponents, TrueLocation, Truth, simulate,
@@ -88,6 +89,9 @@ pub fn replay(campaign: &Campaign, truth: &Truth) -> Result<Replay, ReplayError>
     if truth.effects.iter().any(|e| e.effect == "timestamp_offset") {
         return Err(ReplayError::LateTimeStamps);
     }
+    let axes = truth.axes.iter();
+    let errors = axes.map(|axis| (axis.name.clone(), errors(truth, axis)));
+    let repeats = lengths.stops.iter().map(|stop| stop.repeat);
     let mut scenario = Scenario {
         format: Scenario::FORMAT.name.to_owned(),
         version: Scenario::FORMAT.version,
@@ -96,20 +100,11 @@ pub fn replay(campaign: &Campaign, truth: &Truth) -> Result<Replay, ReplayError>
         instrument: campaign.instrument.clone(),
         targets: targets(campaign, truth)?,
         stations: stations(campaign, truth),
-        errors: truth
-            .axes
-            .iter()
-            .map(|axis| (axis.name.clone(), errors(truth, axis)))
-            .collect(),
+        errors: errors.collect(),
         gauge: Gauge::None,
         effects: truth.effects.iter().cloned().chain(scale(truth)).collect(),
         runs: runs(campaign)?,
-        repeats: lengths
-            .stops
-            .iter()
-            .map(|stop| stop.repeat)
-            .max()
-            .unwrap_or(1),
+        repeats: repeats.max().unwrap_or(1),
         bed: bed(campaign),
         noise: NoiseSpec {
             length_sigma_um: Some(truth.noise.length_sigma_um),
@@ -207,11 +202,7 @@ fn stations(campaign: &Campaign, truth: &Truth) -> Vec<StationSpec> {
 /// The curves as tables, and the location errors.
 fn errors(truth: &Truth, axis: &TrueComponents) -> AxisErrors {
     let table = |component: Component| {
-        let unit = if component.is_angular() {
-            ARCSEC
-        } else {
-            MICROMETRE
-        };
+        let unit = unit_of(component);
         let values = axis.errors.iter();
         let positions = axis.positions.iter();
         let term = Term::Table {

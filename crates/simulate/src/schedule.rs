@@ -59,11 +59,15 @@ pub(crate) fn schedule<'a>(scenario: &Scenario, plan: &'a Plan) -> (Vec<Step>, V
 
 /// The visits; `steps` are those of the runs, to which those of the bed are added.
 fn visits<'a>(scenario: &Scenario, plan: &'a Plan, steps: &mut Vec<Step>) -> Vec<Visit<'a>> {
-    let mut clock = Clock::new(scenario.timing);
+    let timing = scenario.timing;
+    let mut clock = Clock {
+        now_s: timing.start_s,
+        timing,
+    };
     let mut visits: Vec<Visit<'_>> = Vec::new();
     for station in 0..scenario.stations.len() {
         if station > 0 {
-            clock.carry_tracker();
+            clock.now_s += timing.per_station_change_s;
         }
         let mut sweep = 0;
         for repeat in 1..=scenario.repeats {
@@ -137,17 +141,6 @@ struct Clock {
 }
 
 impl Clock {
-    fn new(timing: Timing) -> Self {
-        Self {
-            now_s: timing.start_s,
-            timing,
-        }
-    }
-
-    fn carry_tracker(&mut self) {
-        self.now_s += self.timing.per_station_change_s;
-    }
-
     /// Moves to a stop and takes the readings there.
     fn stop(&mut self, readings: usize) -> Vec<f64> {
         self.now_s += self.timing.per_move_s;

@@ -71,14 +71,7 @@ impl TemperatureTerm {
         let inner = |name: &str| format!("{field}.{name}");
         match self {
             Self::Table { times_s, values_c } => {
-                check::finite(&inner("values_c"), values_c)?;
-                check::increasing(&inner("times_s"), times_s)?;
-                if times_s.is_empty() || times_s.len() != values_c.len() {
-                    let (t, v) = (times_s.len(), values_c.len());
-                    let expected = format!("as many values as times, found {v} and {t}");
-                    return Err(check::expected(field, expected));
-                }
-                Ok(())
+                check::table(field, "times", ("times_s", times_s), ("values_c", values_c))
             }
             Self::Exponential {
                 change_k,
@@ -214,9 +207,7 @@ pub(crate) fn logged(
 }
 
 /// The axes that expand, as the machine of the scenario declares them.
-pub(crate) struct Expansions<'a> {
-    axes: Vec<Expanding<'a>>,
-}
+pub(crate) struct Expansions<'a>(Vec<Expanding<'a>>);
 
 struct Expanding<'a> {
     axis: usize,
@@ -253,15 +244,13 @@ impl<'a> Expansions<'a> {
                 off_k,
             })
         });
-        Self {
-            axes: axes.collect(),
-        }
+        Self(axes.collect())
     }
 
     /// Where axes stand that are commanded to `positions`: at `q (1 + α (T - 20 °C))`.
     pub(crate) fn reached<'p>(&self, positions: &'p [f64], time_s: f64) -> Cow<'p, [f64]> {
         let mut positions = Cow::Borrowed(positions);
-        for expanding in &self.axes {
+        for expanding in &self.0 {
             let above_k = expanding.course.at(time_s) + expanding.off_k - REFERENCE_C;
             positions.to_mut()[expanding.axis] *= 1.0 + expanding.per_k * above_k;
         }

@@ -57,35 +57,21 @@ impl Term {
                 phase_deg,
             } => {
                 check::finite(field, &[*amplitude, *phase_deg])?;
-                let (name, period) = match (kind, period_mm, period_deg) {
-                    (AxisKind::Linear, Some(period), None) => ("period_mm", *period),
-                    (AxisKind::Rotary, None, Some(period)) => ("period_deg", *period),
-                    (AxisKind::Linear, ..) => {
-                        return Err(check::expected(
-                            field,
-                            "`period_mm` alone for a linear axis",
-                        ));
-                    }
-                    (AxisKind::Rotary, ..) => {
-                        return Err(check::expected(
-                            field,
-                            "`period_deg` alone for a rotary axis",
-                        ));
-                    }
+                let (name, own, other) = match kind {
+                    AxisKind::Linear => ("period_mm", period_mm, period_deg),
+                    AxisKind::Rotary => ("period_deg", period_deg, period_mm),
                 };
-                check::positive(&format!("{field}.{name}"), period)
+                match (own, other) {
+                    (Some(period), None) => check::positive(&format!("{field}.{name}"), *period),
+                    _ => {
+                        let expected = format!("`{name}` alone for a {} axis", kind.name());
+                        Err(check::expected(field, expected))
+                    }
+                }
             }
             Self::Table { positions, values } => {
-                check::finite(&format!("{field}.values"), values)?;
-                check::increasing(&format!("{field}.positions"), positions)?;
-                if positions.is_empty() || positions.len() != values.len() {
-                    let (p, v) = (positions.len(), values.len());
-                    return Err(check::expected(
-                        field,
-                        format!("as many values as positions, found {v} and {p}"),
-                    ));
-                }
-                Ok(())
+                let places = ("positions", &positions[..]);
+                check::table(field, "positions", places, ("values", values))
             }
         }
     }

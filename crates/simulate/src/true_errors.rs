@@ -1,7 +1,8 @@
 //! The true errors of the simulated machine.
 
 use trueaxis_campaign::Direction;
-use trueaxis_kinematics::{Axis, AxisKind, GeometricErrors, LocationError, MotionError};
+use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, Component, GeometricErrors};
+use trueaxis_kinematics::{LocationError, MICROMETRE, MotionError};
 
 use crate::Term;
 use crate::gauge::GaugePart;
@@ -13,7 +14,7 @@ pub(crate) struct TrueAxis {
     /// Travel in mm or deg, over which polynomials run.
     pub(crate) travel: [f64; 2],
     pub(crate) location: LocationError,
-    /// Curves in the order of [`trueaxis_kinematics::Component::ALL`].
+    /// Curves in the order of [`Component::ALL`].
     pub(crate) curves: [Curve; 6],
     pub(crate) gauge: GaugePart,
     /// Error after arrival in negative direction; in positive direction it is the opposite.
@@ -26,6 +27,14 @@ pub(crate) struct Curve {
     pub(crate) terms: Vec<Term>,
     /// From the unit of the terms (µm or arcsec) to mm or rad.
     pub(crate) scale: f64,
+}
+
+/// The unit in which files give a component error, µm or arcsec, in mm or rad.
+pub(crate) fn unit_of(component: Component) -> f64 {
+    match component.is_angular() {
+        true => ARCSEC,
+        false => MICROMETRE,
+    }
 }
 
 impl TrueAxis {

@@ -10,8 +10,9 @@ use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 use trueaxis_campaign::Direction;
 use trueaxis_files::{Place, round, without_nulls};
-use trueaxis_kinematics::{ARCSEC, Component, MICROMETRE};
+use trueaxis_kinematics::{ARCSEC, Component};
 
+use crate::true_errors::unit_of;
 use crate::{Error, Problem, TrueComponents, TrueLocation, Truth};
 
 /// Decimals of the values.
@@ -32,10 +33,7 @@ impl Truth {
         trueaxis_files::to_json(self)
             .map_err(std::io::Error::from)
             .and_then(|text| trueaxis_files::write_whole(path, text.as_bytes()))
-            .map_err(|source| Error {
-                place: Place::file(path),
-                problem: Box::new(Problem::Write(source)),
-            })
+            .map_err(|source| Error::new(Place::file(path), Problem::Write(source)))
     }
 }
 
@@ -68,16 +66,14 @@ fn of_axis(axis: &TrueComponents) -> Value {
     let positions = axis.positions.iter();
     let positions = positions.map(|&q| round(axis.kind.position_in_file(q), DECIMALS));
     let components = Component::ALL.into_iter().map(|component| {
-        let (field, unit) = match component.is_angular() {
-            true => ("value_arcsec", ARCSEC),
-            false => ("value_um", MICROMETRE),
+        let field = match component.is_angular() {
+            true => "value_arcsec",
+            false => "value_um",
         };
         let values = axis.errors.iter().map(|e| e.to_vector()[component.index()]);
-        let values = values.map(|value| round(value / unit, DECIMALS));
-        (
-            component.name(&axis.name),
-            json!({ field: values.collect::<Value>() }),
-        )
+        let values = values.map(|value| round(value / unit_of(component), DECIMALS));
+        let values = json!({ field: values.collect::<Value>() });
+        (component.name(&axis.name), values)
     });
     let signs = |sides: &Vec<Direction>| sides.iter().map(|side| side.sign()).collect::<Value>();
     without_nulls(json!({
