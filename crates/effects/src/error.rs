@@ -1,6 +1,6 @@
 //! What can be wrong with given effects.
 
-use trueaxis_files::DocumentError;
+use trueaxis_files::{Alternatives, DocumentError};
 
 /// Effects that cannot be read, or that cannot happen to the measurement at hand.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -23,16 +23,14 @@ pub enum Error {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Problem {
     /// A name that nothing has.
-    #[error("no {what} is named `{name}` (known: {known}){}", did_you_mean(nearest.as_deref()))]
+    #[error("no {what} is named `{name}` (known: {}){}", known.known.join(", "), did_you_mean(known))]
     UnknownName {
         /// What the name should stand for.
         what: String,
         /// The name.
         name: String,
-        /// The known name closest to it.
-        nearest: Option<String>,
-        /// All known names.
-        known: String,
+        /// The known names.
+        known: Alternatives,
     },
     /// An effect on something that it does not happen to.
     #[error("{effect} cannot act on ({found}); possible here: {possible}")]
@@ -128,6 +126,7 @@ impl Problem {
     }
 }
 
-fn did_you_mean(nearest: Option<&str>) -> String {
+fn did_you_mean(known: &Alternatives) -> String {
+    let nearest = known.nearest.as_ref();
     nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
 }

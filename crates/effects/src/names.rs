@@ -14,8 +14,7 @@ pub(crate) fn index_of(
     let unknown = || Problem::UnknownName {
         what: what.into(),
         name: name.to_owned(),
-        nearest: Alternatives::new(name, known).nearest,
-        known: known.join(", "),
+        known: Alternatives::new(name, known),
     };
     let found = known.iter().position(|&other| other == name);
     found.ok_or_else(|| unknown().at(field))

@@ -22,10 +22,7 @@ fn wave(of: &OnCurve<'_>, phase_rad: f64) -> f64 {
 
 /// A wave of one component, 1 µm or 1 arcsec high.
 pub(crate) fn wave_of(component: Component, of: &OnCurve<'_>, phase_rad: f64) -> MotionError {
-    let unit = match component.is_angular() {
-        true => ARCSEC,
-        false => MICROMETRE,
-    };
+    let (_, unit) = unit(component);
     let value = unit * wave(of, phase_rad);
     MotionError::from_vector(&Vector6::ith(component.index(), value))
 }
@@ -53,17 +50,17 @@ pub(crate) fn parameters_across(
     let across = axis.map_or([0, 1], across).map(|i| components[i]);
     let of_component = across.map(|component| {
         let letter = component.letter().to_ascii_lowercase();
-        let unit = unit_name(component);
+        let (unit, _) = unit(component);
         ["sine", "cosine"].map(|name| Parameter::new(format!("{name}_{letter}"), unit))
     });
     of_component.into_iter().flatten().collect()
 }
 
-/// The unit in which files give the waves of a component.
-pub(crate) fn unit_name(component: Component) -> &'static str {
+/// The unit in which files give the waves of a component: its name, and its size in mm or rad.
+pub(crate) fn unit(component: Component) -> (&'static str, f64) {
     match component.is_angular() {
-        true => "arcsec",
-        false => "um",
+        true => ("arcsec", ARCSEC),
+        false => ("um", MICROMETRE),
     }
 }
 

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use trueaxis_kinematics::{Component, MotionError};
 
-use crate::waves::{unit_name, wave_of};
+use crate::waves::{unit, wave_of};
 use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
@@ -20,7 +20,9 @@ pub(super) const EFFECT: Effect = Effect {
         axes.flat_map(|&axis| Component::ALL.map(|c| Subject::component(axis, c)))
             .collect()
     },
-    parameters: |_, subject| Parameter::sine_and_cosine(subject.component.map_or("um", unit_name)),
+    parameters: |_, subject| {
+        Parameter::sine_and_cosine(subject.component.map_or("um", |c| unit(c).0))
+    },
     shape: Shape::Period,
     form: Form::Curve(|of| match of.subject.component {
         Some(component) => wave_of(component, of, TAU * of.at.position / of.shape),
