@@ -74,6 +74,7 @@ pub use subject::Subject;
 pub use temperature::{Medium, SceneTemperature, TemperatureHistory};
 
 pub(crate) use form::Form;
+pub(crate) use trueaxis_kinematics::MICROMETRE;
 
 /// One part per million.
 pub(crate) const PPM: f64 = 1e-6;

@@ -2,9 +2,7 @@
 //!
 //! Of one station, or of each with a rate of its own. `rate_S1` and so on in µm per occupation; a positive one makes lengths longer.
 
-use trueaxis_kinematics::MICROMETRE;
-
-use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
+use crate::{Effect, Explanation, Form, Layer, Level, MICROMETRE, Parameter, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
     id: "dead_path_drift",

@@ -2,9 +2,7 @@
 //!
 //! a is `offset` in µm; a positive one makes lengths longer.
 
-use trueaxis_kinematics::MICROMETRE;
-
-use crate::{Effect, Explanation, Form, Layer, Parameter, Shape, Subject};
+use crate::{Effect, Explanation, Form, Layer, MICROMETRE, Parameter, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
     id: "dead_path_offset",

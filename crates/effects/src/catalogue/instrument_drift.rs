@@ -2,9 +2,7 @@
 //!
 //! `rate` is in µm over the readings, from the first to the last; a positive one makes readings larger.
 
-use trueaxis_kinematics::MICROMETRE;
-
-use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
+use crate::{Effect, Explanation, Form, Layer, Level, MICROMETRE, Parameter, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
     id: "instrument_drift",

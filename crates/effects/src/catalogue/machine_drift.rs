@@ -2,9 +2,7 @@
 //!
 //! v is `drift_x`, `drift_y`, `drift_z` in µm over the campaign, in the reference frame.
 
-use trueaxis_kinematics::MICROMETRE;
-
-use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
+use crate::{Effect, Explanation, Form, Layer, Level, MICROMETRE, Parameter, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
     id: "machine_drift",

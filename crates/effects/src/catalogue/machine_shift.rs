@@ -2,9 +2,7 @@
 //!
 //! d is `shift_x`, `shift_y`, `shift_z` in µm, in the reference frame.
 
-use trueaxis_kinematics::MICROMETRE;
-
-use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
+use crate::{Effect, Explanation, Form, Layer, Level, MICROMETRE, Parameter, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
     id: "machine_shift",

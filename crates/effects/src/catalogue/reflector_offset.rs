@@ -3,9 +3,7 @@
 //! a is `offset` in µm; a positive one makes lengths longer. The constant of each reflector is an unknown of the
 //! adjustment, so that it shows only where targets are declared to share a reflector and do not.
 
-use trueaxis_kinematics::MICROMETRE;
-
-use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
+use crate::{Effect, Explanation, Form, Layer, Level, MICROMETRE, Parameter, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
     id: "reflector_offset",

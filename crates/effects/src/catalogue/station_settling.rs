@@ -8,9 +8,7 @@
 //! Where coordinates are measured there are no stations: the frame of the instrument moves by these at the origin of the
 //! reference frame, and turns by `settling_a`, `settling_b`, `settling_c` in arcsec about the reference axes.
 
-use trueaxis_kinematics::MICROMETRE;
-
-use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
+use crate::{Effect, Explanation, Form, Layer, Level, MICROMETRE, Parameter, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
     id: "station_settling",

@@ -3,9 +3,7 @@
 //! v is `creep_x`, `creep_y`, `creep_z` in µm over the campaign, along the reference directions when the stage
 //! is at home.
 
-use trueaxis_kinematics::MICROMETRE;
-
-use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
+use crate::{Effect, Explanation, Form, Layer, Level, MICROMETRE, Parameter, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
     id: "target_creep",

@@ -2,9 +2,7 @@
 //!
 //! d is `slip_x`, `slip_y`, `slip_z` in µm, along the reference directions when the stage is at home.
 
-use trueaxis_kinematics::MICROMETRE;
-
-use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
+use crate::{Effect, Explanation, Form, Layer, Level, MICROMETRE, Parameter, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
     id: "target_slip",

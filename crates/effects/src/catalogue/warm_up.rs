@@ -2,9 +2,7 @@
 //!
 //! a is `growth_x`, `growth_y`, `growth_z` in µm, in the reference frame; T is `time_constant` in s.
 
-use trueaxis_kinematics::MICROMETRE;
-
-use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
+use crate::{Effect, Explanation, Form, Layer, Level, MICROMETRE, Parameter, Shape, Subject};
 
 /// A column of 2 m of steel grows by 0.5 mm over 23 K.
 const MOST_UM: [f64; 2] = [-500.0, 500.0];
