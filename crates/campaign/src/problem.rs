@@ -2,9 +2,20 @@
 
 use std::io;
 
-use trueaxis_files::{DocumentProblem, FileProblem, counted};
+use trueaxis_files::{DocumentProblem, FileProblem, Located, OfDocument, counted};
 
-use crate::{Alternatives, ColumnFault, Error, Place, UnitMistake};
+use crate::{Alternatives, ColumnFault, Place, UnitMistake};
+
+/// A campaign that cannot be read or written.
+///
+/// Its message says where, what was found, what is expected and how to correct it.
+pub type Error = Located<Problem>;
+
+impl OfDocument for Problem {
+    fn of_document(problem: DocumentProblem) -> Self {
+        Self::Document(problem)
+    }
+}
 
 impl Problem {
     pub(crate) fn value(found: impl Into<String>, expected: impl Into<String>) -> Self {
@@ -17,10 +28,8 @@ impl Problem {
 
     /// The error with this problem.
     pub(crate) fn at(self, place: Box<Place>) -> Error {
-        Error {
-            place,
-            problem: self,
-        }
+        let problem = self;
+        Error { place, problem }
     }
 }
 

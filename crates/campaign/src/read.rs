@@ -95,7 +95,7 @@ impl<'t> Folder<'_, 't> {
         let (file, text) = self.text(name, "lengths")?;
         let (lengths, steps) = lengths::read(&file, &text, campaign)?;
         expansion::check_columns(name, &campaign.expansions, &lengths)
-            .map_err(|error| Error::from(error).in_file(self.path))?;
+            .map_err(|error| error.in_file(self.path))?;
         let table = (file.as_path(), name, &*text);
         let rows = (&lengths.stops[..], &lengths.readings[..]);
         check_rows(table, campaign, rows, steps, |campaign| {
@@ -123,12 +123,12 @@ impl<'t> Folder<'_, 't> {
         entries: Vec<VerificationEntry>,
         campaign: &mut Campaign,
     ) -> Result<(), Error> {
-        let in_file = |error: Error| error.in_file(self.path);
         let names: Vec<&str> = entries.iter().map(|entry| entry.name.as_str()).collect();
-        check_names("verification", "verification", &names).map_err(|e| in_file(e.into()))?;
+        check_names("verification", "verification", &names).map_err(|e| e.in_file(self.path))?;
         for (index, entry) in entries.into_iter().enumerate() {
             let machine = &campaign.machine;
-            let declared = verification::declared(index, &entry, machine).map_err(in_file)?;
+            let declared = verification::declared(index, &entry, machine);
+            let declared = declared.map_err(|e| e.in_file(self.path))?;
             let field = format!("verification[{index}].readings");
             let (file, text) = self.text(&entry.readings, &field)?;
             let name = &entry.readings;

@@ -1,16 +1,9 @@
 //! What can be wrong with a document, whatever it is about.
 
-use crate::{Alternatives, Format, Place};
+use crate::{Alternatives, Format, Located, Place};
 
 /// What is wrong with a document, and where.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{place}: {problem}")]
-pub struct DocumentError {
-    /// The file, line and field.
-    pub place: Box<Place>,
-    /// What is wrong there.
-    pub problem: DocumentProblem,
-}
+pub type DocumentError = Located<DocumentProblem>;
 
 /// What can be wrong with any document, with what was found and what is expected.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,48 +1,24 @@
 //! What can be wrong with an export or its map.
 
-use std::fmt;
-
-use trueaxis_files::{Alternatives, DocumentError, DocumentProblem, FileProblem, Place, counted};
+use trueaxis_files::{
+    Alternatives, DocumentProblem, FileProblem, Located, OfDocument, Place, counted,
+};
 
 /// An export that cannot be imported, or a map that cannot be read.
 ///
 /// Its message says where, what was found, what is expected and how to correct it.
-#[derive(Debug)]
-pub struct Error {
-    /// Where.
-    pub place: Box<Place>,
-    /// What is wrong there.
-    pub problem: Problem,
-}
+pub type Error = Located<Problem>;
 
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let place = self.place.to_string();
-        match place.as_str() {
-            "" => write!(f, "{}", self.problem),
-            _ => write!(f, "{place}: {}", self.problem),
-        }
-    }
-}
-
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        self.problem.source()
-    }
-}
-
-impl From<DocumentError> for Error {
-    fn from(error: DocumentError) -> Self {
-        Problem::Document(error.problem).at(error.place)
+impl OfDocument for Problem {
+    fn of_document(problem: DocumentProblem) -> Self {
+        Self::Document(problem)
     }
 }
 
 impl Problem {
     pub(crate) fn at(self, place: Box<Place>) -> Error {
-        Error {
-            place,
-            problem: self,
-        }
+        let problem = self;
+        Error { place, problem }
     }
 }
 

@@ -131,8 +131,7 @@ impl Reader<'_> {
 
     fn expected_number(&self, text: &str) -> String {
         let other = if self.decimal == ',' { '.' } else { ',' };
-        let other_sign = text.replace(other, if other == ',' { "." } else { "," });
-        let is_other = text.contains(other) && other_sign.replace(',', ".").parse::<f64>().is_ok();
+        let is_other = text.contains(other) && text.replace(',', ".").parse::<f64>().is_ok();
         match is_other {
             true => format!(
                 "a number with \"{}\" as decimal sign; decimal = \"{other}\" in the map changes it",

@@ -1,10 +1,9 @@
 //! What can be wrong with a scenario.
 
-use std::fmt;
 use std::io;
 use std::path::Path;
 
-use trueaxis_files::{DocumentError, DocumentProblem, Place, field_line};
+use trueaxis_files::{DocumentProblem, Located, OfDocument, Place, field_line};
 
 use crate::Noise;
 
@@ -12,63 +11,40 @@ use crate::Noise;
 ///
 /// Its message says where: the path of the field, such as `runs[1].axis`, and the line if the scenario was
 /// read from text.
-#[derive(Debug)]
-pub struct Error {
-    /// Where.
-    pub place: Box<Place>,
-    /// What is wrong there.
-    pub problem: Box<Problem>,
+pub type Error = Located<Box<Problem>>;
+
+/// The same error in a text, perhaps of a file.
+pub(crate) fn in_text(mut error: Error, text: &str, file: Option<&Path>) -> Error {
+    let field = match &*error.problem {
+        Problem::Effect(error) => error.field(),
+        _ => error.place.field_path(),
+    };
+    error.place.line = Some(field.map_or(1, |field| field_line(text, field)));
+    error.place.file = file.map(Path::to_owned);
+    error
 }
 
-impl Error {
-    pub(crate) fn new(place: Box<Place>, problem: Problem) -> Self {
-        let problem = Box::new(problem);
-        Self { place, problem }
-    }
-
-    /// The same error in a text, perhaps of a file.
-    pub(crate) fn in_text(mut self, text: &str, file: Option<&Path>) -> Self {
-        let field = match &*self.problem {
-            Problem::Effect(error) => error.field(),
-            _ => self.place.field_path(),
-        };
-        self.place.line = Some(field.map_or(1, |field| field_line(text, field)));
-        self.place.file = file.map(Path::to_owned);
-        self
+impl OfDocument for Box<Problem> {
+    fn of_document(problem: DocumentProblem) -> Self {
+        Self::new(Problem::Document(problem))
     }
 }
 
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.place.to_string().as_str() {
-            "" => write!(f, "{}", self.problem),
-            place => write!(f, "{place}: {}", self.problem),
-        }
+impl Problem {
+    /// The error with this problem in a field of the scenario.
+    pub(crate) fn at(self, field: impl Into<String>) -> Error {
+        self.in_place(Place::in_field(field))
     }
-}
 
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        self.problem.source()
+    /// The error with this problem somewhere.
+    pub(crate) fn in_place(self, place: Box<Place>) -> Error {
+        let problem = Box::new(self);
+        Error { place, problem }
     }
-}
 
-impl From<DocumentError> for Error {
-    fn from(error: DocumentError) -> Self {
-        Self::new(error.place, Problem::Document(error.problem))
-    }
-}
-
-impl From<trueaxis_campaign::Error> for Error {
-    fn from(error: trueaxis_campaign::Error) -> Self {
-        Self::new(error.place, Problem::Campaign(error.problem))
-    }
-}
-
-impl From<trueaxis_effects::Error> for Error {
-    /// The place is in the error itself.
-    fn from(error: trueaxis_effects::Error) -> Self {
-        Self::new(Box::default(), Problem::Effect(error))
+    /// That of what a scenario shares with a campaign.
+    pub(crate) fn of_campaign(error: trueaxis_campaign::Error) -> Error {
+        Self::Campaign(error.problem).in_place(error.place)
     }
 }
 
@@ -222,11 +198,4 @@ pub enum Problem {
     /// An effect that the scenario's measurement cannot have.
     #[error(transparent)]
     Effect(trueaxis_effects::Error),
-}
-
-impl Problem {
-    /// The error with this problem in a field of the scenario.
-    pub(crate) fn at(self, field: impl Into<String>) -> Error {
-        Error::new(Place::in_field(field), self)
-    }
 }

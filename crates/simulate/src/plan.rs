@@ -16,7 +16,7 @@ use crate::read_errors::read_errors;
 use crate::systematic::PlannedSystematic;
 use crate::temperature::{check_expansions, check_temperatures, scene_temperatures};
 use crate::true_errors::TrueAxis;
-use crate::{Error, Noise, Scenario};
+use crate::{Error, Noise, Problem, Scenario};
 
 pub(crate) use crate::plan_runs::PlannedRun;
 
@@ -42,7 +42,7 @@ impl Plan {
         if scenario.repeats == 0 {
             return Err(check::expected("repeats", "at least 1"));
         }
-        let machine = scenario.machine.build()?;
+        let machine = scenario.machine.build().map_err(Problem::of_campaign)?;
         let targets = plan_targets(scenario, &machine)?;
         let mounted = scenario.targets.iter().zip(&targets);
         let mounted =
@@ -60,12 +60,15 @@ impl Plan {
         check_mounting(&frame, &targets, &homes_mm)?;
         let noise = Noise::of(scenario)?;
         check_temperatures(scenario)?;
-        let effects = resolve_all(
-            &scenario.effects,
-            &scene(scenario, &machine, &targets, &runs),
-        )?;
+        let scene = scene(scenario, &machine, &targets, &runs);
+        // The place is in the error itself.
+        let effects = resolve_all(&scenario.effects, &scene)
+            .map_err(|error| Problem::Effect(error).in_place(Box::default()))?;
         let systematic = PlannedSystematic::new(scenario, &targets)?;
-        let expansions = scenario.machine.expansions()?;
+        let expansions = scenario
+            .machine
+            .expansions()
+            .map_err(Problem::of_campaign)?;
         check_expansions(scenario, &expansions)?;
         Ok(Self {
             machine,

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use trueaxis_files::Place;
 
+use crate::error::in_text;
 use crate::plan::Plan;
 use crate::{Error, Problem, Scenario};
 
@@ -16,7 +17,7 @@ impl Scenario {
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let text = fs::read_to_string(path)
-            .map_err(|source| Error::new(Place::file(path), Problem::Read(source)))?;
+            .map_err(|source| Problem::Read(source).in_place(Place::file(path)))?;
         parse(&text, Some(path))
     }
 
@@ -31,6 +32,6 @@ impl Scenario {
 
 fn parse(text: &str, file: Option<&Path>) -> Result<Scenario, Error> {
     let scenario: Scenario = Scenario::FORMAT.read(text, file)?;
-    Plan::new(&scenario).map_err(|error| error.in_text(text, file))?;
+    Plan::new(&scenario).map_err(|error| in_text(error, text, file))?;
     Ok(scenario)
 }

@@ -33,7 +33,7 @@ impl Truth {
         trueaxis_files::to_json(self)
             .map_err(std::io::Error::from)
             .and_then(|text| trueaxis_files::write_whole(path, text.as_bytes()))
-            .map_err(|source| Error::new(Place::file(path), Problem::Write(source)))
+            .map_err(|source| Problem::Write(source).in_place(Place::file(path)))
     }
 }
 
