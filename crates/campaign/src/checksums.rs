@@ -1,6 +1,6 @@
 //! Which files a result is based on.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use trueaxis_files::{FileProblem, sha256};
@@ -24,20 +24,16 @@ pub struct InputFile {
 pub fn checksums(path: &Path) -> Result<Vec<InputFile>, Error> {
     let text = text_file::read(path, "give the path of a campaign.json")?;
     let document: Document = FORMAT.read(&text, Some(path))?;
-    let own = path.file_name().unwrap_or(path.as_os_str());
+    let tables = [document.lengths, document.points].into_iter().flatten();
     let readings = document
         .verification
         .into_iter()
         .map(|entry| entry.readings);
-    let named = document
-        .lengths
-        .into_iter()
-        .chain(document.points)
-        .chain(readings);
     let folder = path.parent().unwrap_or(Path::new(""));
+    let named = tables.chain(readings);
     let named = named.map(|name| (folder.join(&name), name));
-    let all = std::iter::once((path.to_owned(), own.to_string_lossy().into_owned())).chain(named);
-    let checksum = |(file, name): (std::path::PathBuf, String)| {
+    let all = std::iter::once((path.to_owned(), own_name(path))).chain(named);
+    let checksum = |(file, name): (PathBuf, String)| {
         let sha256 = sha256(&file).map_err(|source| {
             Problem::File(FileProblem::Unreadable { source }).at(Place::file(&file))
         })?;
@@ -46,16 +42,18 @@ pub fn checksums(path: &Path) -> Result<Vec<InputFile>, Error> {
     all.map(checksum).collect()
 }
 
+fn own_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
 impl InputFile {
     /// The file at `path`, by its own name.
     ///
     /// # Errors
     /// Those of the operating system.
     pub fn of(path: &Path) -> std::io::Result<Self> {
-        let name = path.file_name().unwrap_or(path.as_os_str());
-        Ok(Self {
-            name: name.to_string_lossy().into_owned(),
-            sha256: sha256(path)?,
-        })
+        let (name, sha256) = (own_name(path), sha256(path)?);
+        Ok(Self { name, sha256 })
     }
 }

@@ -77,7 +77,10 @@ pub(crate) fn check(
     let faults = faults(header, required, &known);
     match faults.as_slice() {
         [] => Ok(()),
-        [fault] => Err(single(fault, header, &known).at(place(file, line, fault))),
+        [fault] => {
+            let (column, problem) = single(fault, header, &known);
+            Err(problem.at(Place::column(file, line, column)))
+        }
         _ => Err(Problem::Columns {
             faults,
             known: known.iter().map(|&column| column.to_owned()).collect(),
@@ -131,17 +134,18 @@ fn alternatives(column: &str, known: &[&str]) -> Alternatives {
     alternatives
 }
 
-/// A fault that is the only one.
-fn single(fault: &ColumnFault, header: &[&str], known: &[&str]) -> Problem {
+/// A fault that is the only one: its column and what is wrong there.
+fn single<'f>(fault: &'f ColumnFault, header: &[&str], known: &[&str]) -> (&'f str, Problem) {
     match fault {
-        ColumnFault::Unknown { column, nearest } => Problem::UnknownColumn {
-            alternatives: Alternatives {
+        ColumnFault::Unknown { column, nearest } => {
+            let alternatives = Alternatives {
                 nearest: nearest.clone(),
                 ..alternatives(column, known)
-            },
-        },
-        ColumnFault::Twice { .. } => Problem::DuplicateColumn,
-        ColumnFault::Missing { .. } => missing(header),
+            };
+            (column, Problem::UnknownColumn { alternatives })
+        }
+        ColumnFault::Twice { column } => (column, Problem::DuplicateColumn),
+        ColumnFault::Missing { column } => (column, missing(header)),
     }
 }
 
@@ -150,11 +154,4 @@ pub(crate) fn missing(header: &[&str]) -> Problem {
     Problem::MissingColumn {
         found: header.iter().map(|&column| column.to_owned()).collect(),
     }
-}
-
-fn place(file: &Path, line: usize, fault: &ColumnFault) -> Box<Place> {
-    let (ColumnFault::Unknown { column, .. }
-    | ColumnFault::Twice { column }
-    | ColumnFault::Missing { column }) = fault;
-    Place::column(file, line, column)
 }

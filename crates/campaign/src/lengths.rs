@@ -5,10 +5,8 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use crate::logged::LOGGED_COLUMNS;
-use crate::reading::readings_of;
-use crate::rows::Rows;
 use crate::steps::Steps;
-use crate::stops::{StopReader, StopWriter, append, required_columns};
+use crate::stops::{self, StopReader, append, required_columns};
 use crate::table::{Column, Table};
 use crate::{
     Campaign, Error, LengthReading, Lengths, LoggedColumn, LoggedQuantity, Problem, Stop,
@@ -108,18 +106,11 @@ fn read_piece(mut table: Table<'_>, campaign: &Campaign) -> Result<Piece, Error>
 pub(crate) fn text(campaign: &Campaign, lengths: &Lengths) -> String {
     let mut columns = required_columns(&FIRST_COLUMNS, &campaign.machine, &LAST_COLUMNS);
     columns.extend(lengths.logged.iter().map(|column| column.name.as_str()));
-    let mut rows = Rows::with_header(columns);
-    let writer = StopWriter::of(campaign);
-    for stop in &lengths.stops {
-        let readings = readings_of(stop, &lengths.readings);
-        for (index, reading) in stop.readings.clone().zip(readings) {
-            writer.start_row(&mut rows, stop, reading);
-            rows.length_mm(reading.length_mm);
-            for column in &lengths.logged {
-                rows.optional(column.values.get(index).copied().flatten());
-            }
-            rows.end_row();
+    let rows = (&lengths.stops[..], &lengths.readings[..]);
+    stops::text(campaign, columns, rows, |rows, number, reading| {
+        rows.length_mm(reading.length_mm);
+        for column in &lengths.logged {
+            rows.optional(column.values.get(number).copied().flatten());
         }
-    }
-    rows.into_text()
+    })
 }

@@ -17,12 +17,9 @@ impl MachineSpec {
     pub fn build(&self) -> Result<Machine, Error> {
         let names: Vec<&str> = self.axes.iter().map(|axis| axis.name.as_str()).collect();
         check_names("machine.axes", "axis", &names)?;
-        let axes = self
-            .axes
-            .iter()
-            .enumerate()
-            .map(|(i, axis)| axis.build(&format!("machine.axes[{i}]")))
-            .collect::<Result<_, _>>()?;
+        let axes = self.axes.iter().enumerate();
+        let axes = axes.map(|(i, axis)| axis.build(&format!("machine.axes[{i}]")));
+        let axes = axes.collect::<Result<_, _>>()?;
         let branch = |listed: &[String], name: &str| {
             let field = |i| format!("machine.kinematics.{name}[{i}]");
             let listed = listed.iter().enumerate();

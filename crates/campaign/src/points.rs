@@ -5,10 +5,8 @@ use std::path::Path;
 use nalgebra::Point3;
 
 use crate::point_columns::POINT_COLUMNS;
-use crate::reading::readings_of;
-use crate::rows::Rows;
 use crate::steps::Steps;
-use crate::stops::{StopReader, StopWriter, required_columns};
+use crate::stops::{self, StopReader, required_columns};
 use crate::table::{Column, Row, Table};
 use crate::{Campaign, Error, PointReading, Points, Problem, near_positions};
 
@@ -62,17 +60,11 @@ pub(crate) fn text(campaign: &Campaign, points: &Points) -> String {
     let has_sigma = points.readings.iter().any(|r| r.sigma_um.is_some());
     let mut columns = required_columns(&FIRST_COLUMNS, &campaign.machine, &LAST_COLUMNS);
     columns.extend(has_sigma.then_some(SIGMA_COLUMN));
-    let mut rows = Rows::with_header(columns);
-    let writer = StopWriter::of(campaign);
-    for stop in &points.stops {
-        for reading in readings_of(stop, &points.readings) {
-            writer.start_row(&mut rows, stop, reading);
-            reading.position_mm.iter().for_each(|&c| rows.number(c));
-            if has_sigma {
-                rows.optional(reading.sigma_um);
-            }
-            rows.end_row();
+    let rows = (&points.stops[..], &points.readings[..]);
+    stops::text(campaign, columns, rows, |rows, _, reading| {
+        reading.position_mm.iter().for_each(|&c| rows.number(c));
+        if has_sigma {
+            rows.optional(reading.sigma_um);
         }
-    }
-    rows.into_text()
+    })
 }

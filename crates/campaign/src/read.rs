@@ -194,11 +194,8 @@ fn check_rows<R: Reading>(
     found.extend(notices::without_rows(name, campaign, stops, readings));
     found.extend(against_machine(campaign)?);
     let copies = plausibility::check_copies(file, name, campaign, stops, readings)?;
-    found.extend(
-        copies
-            .into_iter()
-            .chain(notices::without_line_end(name, text)),
-    );
+    let cut = notices::without_line_end(name, text);
+    found.extend(copies.into_iter().chain(cut));
     campaign.notices.extend(found);
     Ok(())
 }

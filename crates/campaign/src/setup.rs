@@ -1,7 +1,7 @@
 //! The lists of `campaign.json`: instrument, targets, stations and runs, from and to the model.
 
 use nalgebra::Point3;
-use trueaxis_files::{DocumentError, DocumentProblem, check_names, index_of};
+use trueaxis_files::{DocumentError, DocumentProblem, check_name, check_names, index_of};
 use trueaxis_kinematics::Machine;
 
 use crate::document::{RunEntry, StationEntry, TargetEntry};
@@ -83,11 +83,7 @@ pub fn check_reflectors(targets: &[Target]) -> Result<(), DocumentError> {
             continue;
         };
         let field = format!("targets[{i}].reflector");
-        if name.is_empty() || name.trim() != name {
-            let found = format!("name \"{name}\"");
-            let problem = DocumentProblem::value(found, "a name, without blanks around it");
-            return Err(problem.in_field(field));
-        }
+        check_name(&field, name)?;
         let owner = |other: &Target| other.reflector.is_none() && other.name == *name;
         if let Some(owner) = targets.iter().position(owner) {
             let found = format!("`{name}` is a target (targets[{owner}]) that names no reflector");

@@ -4,7 +4,7 @@ use trueaxis_kinematics::Machine;
 
 use crate::axis_columns::AxisColumns;
 use crate::names::Names;
-use crate::reading::Reading;
+use crate::reading::{Reading, readings_of};
 use crate::rows::{Rows, position_cells};
 use crate::steps::Steps;
 use crate::table::{Column, Row, Table};
@@ -52,6 +52,7 @@ impl<'a> StopReader<'a> {
         let stations = campaign.stations.iter().map(|s| s.name.as_str());
         let runs = campaign.runs.iter().map(|r| r.name.as_str());
         let targets = campaign.targets.iter().map(|t| t.name.as_str());
+        let on_bed = campaign.targets.iter().map(|t| t.carrier.is_none());
         Ok(Self {
             time: table.column("time_s")?,
             station: table
@@ -62,11 +63,7 @@ impl<'a> StopReader<'a> {
             direction: table.column("direction")?,
             axes: AxisColumns::of(table, &campaign.machine)?,
             target: (table.column("target")?, Names::new("target", targets)),
-            is_on_bed: campaign
-                .targets
-                .iter()
-                .map(|t| t.carrier.is_none())
-                .collect(),
+            is_on_bed: on_bed.collect(),
             positions: Vec::new(),
             stops: Vec::new(),
             steps: Steps::default(),
@@ -192,44 +189,49 @@ fn stay_or_arrive(stops: &mut Vec<Stop>, next: Stop) {
     }
 }
 
-/// Writes what [`StopReader`] reads.
-pub(crate) struct StopWriter<'a> {
-    campaign: &'a Campaign,
-    /// The cells of the axes at each step.
-    position_cells: Vec<String>,
+/// The text of a table that [`StopReader`] reads; `write_values` writes the cells behind `target` for a reading and its number.
+pub(crate) fn text<R: Reading>(
+    campaign: &Campaign,
+    columns: Vec<&str>,
+    (stops, readings): (&[Stop], &[R]),
+    write_values: impl Fn(&mut Rows, usize, &R),
+) -> String {
+    let of_step = |step: &Step| position_cells(&campaign.machine, &step.positions);
+    let positions: Vec<String> = campaign.steps.iter().map(of_step).collect();
+    let mut rows = Rows::with_header(columns);
+    for stop in stops {
+        let positions = positions.get(stop.step).map(String::as_str);
+        for (number, reading) in stop.readings.clone().zip(readings_of(stop, readings)) {
+            start_row(&mut rows, campaign, stop, positions, reading);
+            write_values(&mut rows, number, reading);
+            rows.end_row();
+        }
+    }
+    rows.into_text()
 }
 
-impl<'a> StopWriter<'a> {
-    pub(crate) fn of(campaign: &'a Campaign) -> Self {
-        let machine = &campaign.machine;
-        let steps = campaign.steps.iter();
-        Self {
-            campaign,
-            position_cells: steps
-                .map(|step| position_cells(machine, &step.positions))
-                .collect(),
-        }
+/// Writes the columns up to `target`. An index that points nowhere gives an empty name, which no reading accepts.
+fn start_row<R: Reading>(
+    rows: &mut Rows,
+    campaign: &Campaign,
+    stop: &Stop,
+    positions: Option<&str>,
+    reading: &R,
+) {
+    let station = campaign.stations.get(stop.station).map(|s| s.name.as_str());
+    let step = campaign.steps.get(stop.step);
+    let run = step.and_then(|step| campaign.runs.get(step.run?));
+    let target = campaign.targets.get(reading.target());
+    rows.time_s(reading.time_s());
+    if R::HAS_STATION {
+        rows.name(station.unwrap_or_default());
     }
-
-    /// Writes the columns up to `target`. An index that points nowhere gives an empty name, which no reading accepts.
-    pub(crate) fn start_row<R: Reading>(&self, rows: &mut Rows, stop: &Stop, reading: &R) {
-        let campaign = self.campaign;
-        let station = campaign.stations.get(stop.station).map(|s| s.name.as_str());
-        let step = campaign.steps.get(stop.step);
-        let run = step.and_then(|step| campaign.runs.get(step.run?));
-        let target = campaign.targets.get(reading.target());
-        let position_cells = self.position_cells.get(stop.step);
-        rows.time_s(reading.time_s());
-        if R::HAS_STATION {
-            rows.name(station.unwrap_or_default());
-        }
-        rows.number(stop.repeat);
-        rows.name(run.map(|run| run.name.as_str()).unwrap_or_default());
-        match run {
-            Some(_) => rows.number(stop.direction.sign()),
-            None => rows.name(""),
-        }
-        rows.positions(position_cells.map(String::as_str).unwrap_or_default());
-        rows.name(target.map(|t| t.name.as_str()).unwrap_or_default());
+    rows.number(stop.repeat);
+    rows.name(run.map(|run| run.name.as_str()).unwrap_or_default());
+    match run {
+        Some(_) => rows.number(stop.direction.sign()),
+        None => rows.name(""),
     }
+    rows.positions(positions.unwrap_or_default());
+    rows.name(target.map(|t| t.name.as_str()).unwrap_or_default());
 }

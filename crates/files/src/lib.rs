@@ -57,7 +57,7 @@ pub use field_line::{field_line, field_span};
 pub use file_problem::{FileProblem, read_bytes};
 pub use json::{to_json, value_to_json, without_nulls};
 pub use located::{Located, OfDocument};
-pub use names::{check_names, index_of};
+pub use names::{check_name, check_names, index_of};
 pub use npy::{Array, NpyError, from_npy, to_npy};
 pub use npz::{NpzError, NpzWriter, WriteSeek, from_npz};
 pub use ordered::Ordered;

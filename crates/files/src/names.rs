@@ -2,20 +2,29 @@
 
 use crate::{DocumentError, DocumentProblem};
 
-/// Checks that names can be distinguished; `list` is the path of their list, such as `targets`, and `what` the
-/// kind in the singular. Cells of tables are read without the blanks around them, so a name must not
-/// have any.
+/// Checks that `name`, which stands in `field`, is one. Cells of tables are read without the blanks around them, so it
+/// must not have any.
+///
+/// # Errors
+/// [`DocumentProblem::Value`], with the field.
+pub fn check_name(field: &str, name: &str) -> Result<(), DocumentError> {
+    if name.is_empty() || name.trim() != name {
+        let found = format!("name \"{name}\"");
+        let problem = DocumentProblem::value(found, "a name, without blanks around it");
+        return Err(problem.in_field(field));
+    }
+    Ok(())
+}
+
+/// Checks names, and that they can be distinguished; `list` is the path of their list, such as `targets`, and `what` the
+/// kind in the singular.
 ///
 /// # Errors
 /// [`DocumentProblem::Value`] and [`DocumentProblem::DuplicateName`], with the field.
 pub fn check_names(list: &str, what: &'static str, names: &[&str]) -> Result<(), DocumentError> {
     for (i, name) in names.iter().enumerate() {
         let path = format!("{list}[{i}].name");
-        if name.is_empty() || name.trim() != *name {
-            let found = format!("name \"{name}\"");
-            let problem = DocumentProblem::value(found, "a name, without blanks around it");
-            return Err(problem.in_field(path));
-        }
+        check_name(&path, name)?;
         if let Some(first) = names[..i].iter().position(|other| other == name) {
             let problem = DocumentProblem::DuplicateName {
                 what,

@@ -43,6 +43,7 @@ pub(crate) fn check(
             Some(Seen {
                 station,
                 approx_mm,
+                misfit_mm: sample.misfit_mm(approx_mm, 1.0),
                 sample,
             })
         })
@@ -58,6 +59,8 @@ pub(crate) fn check(
 struct Seen {
     station: usize,
     approx_mm: Point3<f64>,
+    /// Of the lengths to it as they are, mm.
+    misfit_mm: f64,
     sample: Sample,
 }
 
@@ -120,7 +123,7 @@ fn is_overwhelming(own_mm: f64, other_mm: f64) -> bool {
 }
 
 fn check_unit(file: &Path, campaign: &Campaign, seen: &Seen) -> Result<(), Error> {
-    let misfit_mm = seen.sample.misfit_mm(seen.approx_mm, 1.0);
+    let misfit_mm = seen.misfit_mm;
     let fits = |hypothesis: &Hypothesis| {
         let factor = hypothesis.measured_factor(seen.station);
         is_overwhelming(misfit_mm, seen.sample.misfit_mm(seen.approx_mm, factor))
@@ -140,15 +143,12 @@ fn check_unit(file: &Path, campaign: &Campaign, seen: &Seen) -> Result<(), Error
 /// A station is refused only if the one that it seems to be is refused too: names were exchanged
 /// among some stations. One wrong `approx_mm` alone harms nobody.
 fn check_names(file: &Path, campaign: &Campaign, seen: &[Seen]) -> Result<(), Error> {
-    let seems_to_be: Vec<Option<(usize, f64)>> = seen
-        .iter()
-        .map(|one| {
-            let own_mm = one.sample.misfit_mm(one.approx_mm, 1.0);
-            let misfits = seen.iter().map(|s| one.sample.misfit_mm(s.approx_mm, 1.0));
-            let best = misfits.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
-            best.filter(|&(_, best_mm)| is_overwhelming(own_mm, best_mm))
-        })
-        .collect();
+    let seems_to_be = |one: &Seen| {
+        let misfits = seen.iter().map(|s| one.sample.misfit_mm(s.approx_mm, 1.0));
+        let best = misfits.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+        best.filter(|&(_, best_mm)| is_overwhelming(one.misfit_mm, best_mm))
+    };
+    let seems_to_be: Vec<Option<(usize, f64)>> = seen.iter().map(seems_to_be).collect();
     for (one, other) in seen.iter().zip(&seems_to_be) {
         let Some((index, fits_misfit_mm)) = *other else {
             continue;
@@ -157,7 +157,7 @@ fn check_names(file: &Path, campaign: &Campaign, seen: &[Seen]) -> Result<(), Er
             return Err(Problem::SwappedStations {
                 station: campaign.stations[one.station].name.clone(),
                 fits: campaign.stations[seen[index].station].name.clone(),
-                own_misfit_mm: one.sample.misfit_mm(one.approx_mm, 1.0),
+                own_misfit_mm: one.misfit_mm,
                 fits_misfit_mm,
             }
             .at(Place::column(file, one.sample.first_line, "station")));

@@ -29,10 +29,8 @@ pub(crate) fn check<R: Reading>(
     if goes_back.is_some() {
         check_order(file, stops, readings)?;
     }
-    Ok(goes_back
-        .into_iter()
-        .chain(too_fast(name, readings))
-        .collect())
+    let notices = [goes_back, too_fast(name, readings)];
+    Ok(notices.into_iter().flatten().collect())
 }
 
 /// So often a clock is set back in a campaign, by a restart or at midnight; tables that were sorted go back more often.
@@ -41,11 +39,8 @@ const MOST_RESETS: usize = 5;
 fn check_order<R: Reading>(file: &Path, stops: &[Stop], readings: &[R]) -> Result<(), Error> {
     let mut rows: Vec<(f64, &Stop)> = Vec::with_capacity(readings.len());
     for stop in stops {
-        rows.extend(
-            readings_of(stop, readings)
-                .iter()
-                .map(|r| (r.time_s(), stop)),
-        );
+        let times = readings_of(stop, readings).iter().map(Reading::time_s);
+        rows.extend(times.map(|time_s| (time_s, stop)));
     }
     let given = Groups::of(&rows);
     let pairs = rows
