@@ -179,11 +179,10 @@ pub fn import(kind: Kind, bytes: &[u8], file: Option<&Path>, map: &Map) -> Resul
         problem.at(Box::new(place.clone()))
     })?;
     let stops = visits.last().map_or(0, |(_, visit)| visit.stop + 1);
+    let numbered = visits.iter().enumerate();
     Ok(Imported {
         header: header(kind, &columns),
-        rows: visits
-            .iter()
-            .enumerate()
+        rows: numbered
             .map(|(index, row)| cells_of(kind, index, row))
             .collect(),
         skipped,
@@ -193,16 +192,11 @@ pub fn import(kind: Kind, bytes: &[u8], file: Option<&Path>, map: &Map) -> Resul
 }
 
 fn header(kind: Kind, columns: &Columns) -> Vec<String> {
-    let station: &[&str] = match kind {
-        Kind::Lengths => &["station"],
-        Kind::Points => &[],
+    let before: &[&str] = match kind {
+        Kind::Lengths => &["time_s", "station", "repeat", "run", "direction"],
+        Kind::Points => &["time_s", "repeat", "run", "direction"],
     };
-    let visit = ["repeat", "run", "direction"];
-    let before = ["time_s"]
-        .iter()
-        .chain(station)
-        .chain(&visit)
-        .map(|&name| name.to_owned());
+    let before = before.iter().map(|&name| name.to_owned());
     let axes = columns.axes.iter().map(|axis| axis.name.clone());
     let numbers = columns.numbers.iter().map(|number| number.name.clone());
     before
@@ -228,11 +222,11 @@ fn cells_of(kind: Kind, index: usize, (row, visit): &(Row, Visit)) -> Vec<String
     cells.extend([visit.repeat.to_string(), visit.run.clone(), direction]);
     cells.extend(visit.positions.iter().map(f64::to_string));
     cells.push(visit.target.clone());
-    cells.extend(
-        row.numbers
-            .iter()
-            .map(|number| number.map(|n| n.to_string()).unwrap_or_default()),
-    );
+    let numbers = row
+        .numbers
+        .iter()
+        .map(|number| number.map(|n| n.to_string()));
+    cells.extend(numbers.map(Option::unwrap_or_default));
     cells
 }
 

@@ -58,25 +58,16 @@ impl Reader<'_> {
             })
             .collect::<Result<_, _>>()?;
         let row = RowText { cells, parts };
-        let name = |source: &Option<Source>| {
-            let text = source.as_ref().map(|source| row.text(source));
-            text.map(|text| {
-                self.map
-                    .rename
-                    .get(text)
-                    .cloned()
-                    .unwrap_or_else(|| text.to_owned())
-            })
+        let name = |source: &Option<Source>| -> Option<String> {
+            let text = row.text(source.as_ref()?);
+            let renamed = self.map.rename.get(text);
+            Some(renamed.cloned().unwrap_or_else(|| text.to_owned()))
         };
         let target = name(&columns.target);
         let stops = &self.map.stops;
         let of_path = stops.path.iter().flat_map(|leg| &leg.targets);
-        let known: Vec<&str> = stops
-            .targets
-            .iter()
-            .chain(of_path)
-            .map(String::as_str)
-            .collect();
+        let known = stops.targets.iter().chain(of_path);
+        let known: Vec<&str> = known.map(String::as_str).collect();
         if let (Some(source), Some(found)) = (&columns.target, &target)
             && (found.is_empty() || !known.is_empty() && !known.contains(&found.as_str()))
         {
