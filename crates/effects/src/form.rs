@@ -133,7 +133,15 @@ impl Effect {
             Form::Axis(value) => subject.axis.map_or_else(Displaced::default, |axis| {
                 Displaced::point(at.unit_motion(axis) * value(&of))
             }),
-            Form::Curve(_) => self.form_of_curve(&of),
+            Form::Curve(_) => subject.axis.map_or_else(Displaced::default, |axis| {
+                let place = AxisPosition {
+                    axis: &at.machine.axes()[axis],
+                    position: at.position(axis),
+                    direction: at.direction,
+                };
+                let motion = self.motion(subject, parameter, shape, &place);
+                Displaced::point(at.moved(axis, &motion))
+            }),
         }
     }
 
@@ -170,21 +178,6 @@ impl Effect {
             }),
             _ => MotionError::default(),
         }
-    }
-
-    /// `R (δ + ε × r)`.
-    fn form_of_curve(&self, of: &AtReading<'_>) -> Displaced {
-        let at = of.at;
-        let Some(axis) = of.subject.axis else {
-            return Displaced::default();
-        };
-        let place = AxisPosition {
-            axis: &at.machine.axes()[axis],
-            position: at.position(axis),
-            direction: at.direction,
-        };
-        let motion = self.motion(of.subject, of.parameter, of.shape, &place);
-        Displaced::point(at.moved(axis, &motion))
     }
 }
 
