@@ -86,4 +86,4 @@ pub use systematic::{KnownLengthSpec, ReflectorSpec, SystematicSpec};
 pub use temperature::{TemperatureSpec, TemperatureTerm};
 pub use term::Term;
 pub use true_machine::TrueMachine;
-pub use truth::{TrueComponents, TrueLocation, TrueReflector, TrueStation, TrueTarget, Truth};
+pub use truth::{TrueComponents, TrueLocation, TrueStation, TrueTarget, Truth};

@@ -52,13 +52,11 @@ pub(crate) fn check_mounting(
 
 /// The mounting errors without the motion that belongs to the frame.
 fn corrected(anchors: &[&Target], mounting_mm: &[Vector3<f64>], rigid: &SmallMotion) -> String {
-    let corrected = anchors
-        .iter()
-        .zip(mounting_mm)
-        .map(|(target, mounting_mm)| {
-            let left = mounting_mm - rigid.at(target.home_mm);
-            let m = left.map(|c| (c * MENDED_PER_MM).round() / MENDED_PER_MM + 0.0);
-            format!("{} [{}, {}, {}]", target.name, m.x, m.y, m.z)
-        });
+    let mounted = anchors.iter().zip(mounting_mm);
+    let corrected = mounted.map(|(target, mounting_mm)| {
+        let left = mounting_mm - rigid.at(target.home_mm);
+        let m = left.map(|c| (c * MENDED_PER_MM).round() / MENDED_PER_MM + 0.0);
+        format!("{} [{}, {}, {}]", target.name, m.x, m.y, m.z)
+    });
     corrected.collect::<Vec<_>>().join(", ")
 }

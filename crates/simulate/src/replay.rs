@@ -18,8 +18,8 @@ use trueaxis_kinematics::{ARCSEC, AxisKind, Component};
 
 use crate::true_errors::unit_of;
 use crate::{
-    AxisErrors, BedSpec, Error, Gauge, LocationValue, NoiseSpec, ReflectorSpec, RunSpec, Scenario,
-    StationSpec, SystematicSpec, Term, Timing, TrueComponents, TrueLocation, Truth, simulate,
+    AxisErrors, BedSpec, Error, Gauge, LocationValue, NoiseSpec, RunSpec, Scenario, StationSpec,
+    SystematicSpec, Term, Timing, TrueComponents, TrueLocation, Truth, simulate,
 };
 use clock::Clock;
 use order::places_in_replay;
@@ -113,7 +113,7 @@ pub fn replay(campaign: &Campaign, truth: &Truth) -> Result<Replay, ReplayError>
             exact: false,
         },
         systematic: systematic(campaign),
-        reflectors: reflectors(truth),
+        reflectors: truth.reflectors.clone(),
         known_lengths: Vec::new(),
         temperatures: temperatures(campaign, truth),
         timing: Timing::default(),
@@ -143,16 +143,11 @@ pub fn replay(campaign: &Campaign, truth: &Truth) -> Result<Replay, ReplayError>
 /// What is declared as uncertain is not drawn again: the replay has what is believed of it.
 fn systematic(campaign: &Campaign) -> SystematicSpec {
     let instrument = &campaign.instrument;
-    let declares = instrument.reflector_sigma_um.is_some()
-        || instrument.scale_sigma_ppm.is_some()
-        || campaign
-            .targets
-            .iter()
-            .any(|t| t.position_sigma_mm.is_some());
-    if declares {
-        SystematicSpec::NONE
-    } else {
-        SystematicSpec::default()
+    let of_instrument = instrument.reflector_sigma_um.or(instrument.scale_sigma_ppm);
+    let mut targets = campaign.targets.iter();
+    match of_instrument.is_some() || targets.any(|t| t.position_sigma_mm.is_some()) {
+        true => SystematicSpec::NONE,
+        false => SystematicSpec::default(),
     }
 }
 
@@ -169,14 +164,6 @@ fn scale(truth: &Truth) -> Option<GivenEffect> {
             unit: "ppm".to_owned(),
         }],
     })
-}
-
-fn reflectors(truth: &Truth) -> Vec<ReflectorSpec> {
-    let reflectors = truth.reflectors.iter().map(|reflector| ReflectorSpec {
-        name: reflector.name.clone(),
-        constant_um: reflector.constant_um,
-    });
-    reflectors.collect()
 }
 
 /// mm or, to nine decimals as in `calibration.json`, degrees.
@@ -234,16 +221,13 @@ fn runs(campaign: &Campaign) -> Result<Vec<RunSpec>, ReplayError> {
     runs.map(|(number, run)| {
         let axes = campaign.machine.axes();
         let own = &axes[run.axis];
-        let steps: Vec<&Vec<f64>> = campaign
+        let steps = campaign
             .steps
             .iter()
-            .filter(|step| step.run == Some(number))
-            .map(|step| &step.positions)
-            .collect();
-        let mut positions: Vec<f64> = steps
-            .iter()
-            .map(|q| in_file(own.kind(), q[run.axis]))
-            .collect();
+            .filter(|step| step.run == Some(number));
+        let steps: Vec<&Vec<f64>> = steps.map(|step| &step.positions).collect();
+        let positions = steps.iter().map(|q| in_file(own.kind(), q[run.axis]));
+        let mut positions: Vec<f64> = positions.collect();
         positions.sort_by(f64::total_cmp);
         let mut parked = BTreeMap::new();
         for (index, axis) in axes.iter().enumerate().filter(|(i, _)| *i != run.axis) {

@@ -113,11 +113,8 @@ impl PlannedSystematic {
 
 fn listed(scenario: &Scenario, names: &[String]) -> Result<Vec<Option<f64>>, Error> {
     let known: Vec<&str> = names.iter().map(String::as_str).collect();
-    let listed: Vec<&str> = scenario
-        .reflectors
-        .iter()
-        .map(|r| r.name.as_str())
-        .collect();
+    let listed = scenario.reflectors.iter().map(|r| r.name.as_str());
+    let listed: Vec<&str> = listed.collect();
     check_names("reflectors", "reflector", &listed)?;
     let mut constants_um = vec![None; names.len()];
     for (i, spec) in scenario.reflectors.iter().enumerate() {
@@ -150,8 +147,7 @@ fn known_lengths(scenario: &Scenario, targets: &[Target]) -> Result<Vec<([usize;
 
 /// The systematic parts as they are in one campaign.
 pub(crate) struct Systematic {
-    /// Names and constants of the reflectors, µm.
-    pub(crate) reflectors: Vec<(String, f64)>,
+    pub(crate) reflectors: Vec<ReflectorSpec>,
     /// Of each target, mm.
     constants_mm: Vec<f64>,
     /// By how much all lengths are shown too long, µm per m.
@@ -166,11 +162,14 @@ impl Systematic {
             listed_um.unwrap_or(drawn_um)
         });
         let names = planned.reflector_names.iter().cloned();
-        let reflectors: Vec<(String, f64)> = names.zip(constants).collect();
+        let reflectors = names.zip(constants);
+        let reflectors = reflectors.map(|(name, constant_um)| ReflectorSpec { name, constant_um });
+        let reflectors: Vec<ReflectorSpec> = reflectors.collect();
         let of_target = planned.reflector_of_target.iter();
+        let constants_mm = of_target.map(|&r| reflectors[r].constant_um * MICROMETRE);
         let scale = Deviates::of_part(seed, Part::Scale).normal();
         Self {
-            constants_mm: of_target.map(|&r| reflectors[r].1 * MICROMETRE).collect(),
+            constants_mm: constants_mm.collect(),
             reflectors,
             scale_ppm: scale * planned.scale_sigma_ppm,
         }

@@ -9,7 +9,7 @@ use trueaxis_kinematics::{AxisKind, LocationComponent, MotionError};
 use crate::plan::Plan;
 use crate::read_errors::distinct_positions;
 use crate::systematic::Systematic;
-use crate::{Noise, Scenario, truth_file};
+use crate::{Noise, ReflectorSpec, Scenario, truth_file};
 
 /// The values that an estimator should find, in the reference frame and gauge of the calibration.
 ///
@@ -28,8 +28,9 @@ pub struct Truth {
     pub noise: Noise,
     /// By how much all lengths are shown too long, µm per m, beside effects.
     pub scale_ppm: f64,
-    /// Reflectors as the targets name them.
-    pub reflectors: Vec<TrueReflector>,
+    /// Reflectors as the targets name them. Where dead paths are unknown, lengths tell only the differences of their
+    /// constants.
+    pub reflectors: Vec<ReflectorSpec>,
     /// Stations in the order of the campaign.
     pub stations: Vec<TrueStation>,
     /// Targets in the order of the campaign.
@@ -41,17 +42,6 @@ pub struct Truth {
     pub location_errors: Vec<TrueLocation>,
     /// What disturbed the readings, as the scenario says it.
     pub effects: Vec<GivenEffect>,
-}
-
-/// A reflector.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TrueReflector {
-    /// Name.
-    pub name: String,
-    /// By how much every length to it is shown too long, µm. Where dead paths are unknown, lengths tell
-    /// only the differences of these.
-    #[serde(serialize_with = "truth_file::rounded_number")]
-    pub constant_um: f64,
 }
 
 /// A station as it stood.
@@ -113,7 +103,6 @@ impl Truth {
         systematic: &Systematic,
         seed: u64,
     ) -> Self {
-        let reflectors = systematic.reflectors.iter();
         let stations = scenario.stations.iter();
         let targets = plan.targets.iter().zip(&plan.homes_mm);
         let runs = |axis| plan.runs.iter().any(|run| run.axis == axis);
@@ -125,12 +114,7 @@ impl Truth {
             seed,
             noise: plan.noise,
             scale_ppm: systematic.scale_ppm,
-            reflectors: reflectors
-                .map(|(name, constant_um)| TrueReflector {
-                    name: name.clone(),
-                    constant_um: *constant_um,
-                })
-                .collect(),
+            reflectors: systematic.reflectors.clone(),
             stations: stations
                 .map(|station| TrueStation {
                     name: station.name.clone(),

@@ -13,7 +13,7 @@ use trueaxis_files::{Place, round, without_nulls};
 use trueaxis_kinematics::{ARCSEC, Component};
 
 use crate::true_errors::unit_of;
-use crate::{Error, Problem, TrueComponents, TrueLocation, Truth};
+use crate::{Error, Problem, ReflectorSpec, TrueComponents, TrueLocation, Truth};
 
 /// Decimals of the values.
 const DECIMALS: i32 = 9;
@@ -51,7 +51,7 @@ impl Serialize for Truth {
             "seed": self.seed,
             "noise": self.noise,
             "scale_ppm": has_scale.then(|| round(self.scale_ppm, DECIMALS)),
-            "reflectors": has_constants.then_some(&self.reflectors),
+            "reflectors": has_constants.then(|| self.reflectors.iter().map(of_reflector).collect::<Value>()),
             "stations": self.stations,
             "targets": self.targets,
             "axes": self.axes.iter().map(of_axis).collect::<Value>(),
@@ -60,6 +60,10 @@ impl Serialize for Truth {
         }));
         file.serialize(serializer)
     }
+}
+
+fn of_reflector(reflector: &ReflectorSpec) -> Value {
+    json!({ "name": reflector.name, "constant_um": round(reflector.constant_um, DECIMALS) })
 }
 
 fn of_axis(axis: &TrueComponents) -> Value {
@@ -105,9 +109,4 @@ pub(crate) fn rounded<S: Serializer>(
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
     <[f64; 3]>::from(point.map(|c| round(c, DECIMALS))).serialize(serializer)
-}
-
-/// A number rounded as all values are.
-pub(crate) fn rounded_number<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-    round(*value, DECIMALS).serialize(serializer)
 }

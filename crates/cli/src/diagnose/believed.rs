@@ -4,7 +4,7 @@ use trueaxis_calibrate::{AxisResult, Calibration};
 use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_simulate::{
-    Noise, TrueComponents, TrueLocation, TrueReflector, TrueStation, TrueTarget, Truth,
+    Noise, ReflectorSpec, TrueComponents, TrueLocation, TrueStation, TrueTarget, Truth,
 };
 
 /// What the calibration and the causes found say about the campaign.
@@ -43,7 +43,7 @@ pub(crate) fn truth(calibration: &Calibration, effects: &[GivenEffect]) -> anyho
         reflectors: calibration
             .reflectors
             .iter()
-            .map(|reflector| TrueReflector {
+            .map(|reflector| ReflectorSpec {
                 name: reflector.name.clone(),
                 constant_um: reflector.constant_mm / MICROMETRE,
             })
