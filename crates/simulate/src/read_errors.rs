@@ -50,12 +50,9 @@ fn curves(field: &str, axis: &Axis, spec: &AxisErrors) -> Result<[Curve; 6], Err
             term.check(&format!("{field}[{i}]"), axis.kind())?;
         }
     }
+    let terms = |component: Component| spec.components.get(&component.name(axis.name()));
     Ok(Component::ALL.map(|component| Curve {
-        terms: spec
-            .components
-            .get(&component.name(axis.name()))
-            .cloned()
-            .unwrap_or_default(),
+        terms: terms(component).cloned().unwrap_or_default(),
         scale: unit_of(component),
     }))
 }
@@ -151,31 +148,20 @@ fn gauge(
     errors: &TrueAxis,
     runs: &[PlannedRun],
 ) -> Result<GaugePart, Error> {
-    let (field, name) = (field.to_owned(), axis.name().to_owned());
+    let name = axis.name().to_owned();
     if !runs.iter().any(|run| run.axis == index) {
         return Err(Problem::NoRun { axis: name }.at(field));
     }
-    let positions = distinct_positions(runs, |run| run.axis == index);
+    let positions = distinct_positions(runs.iter().filter(|run| run.axis == index));
     let given: Vec<MotionError> = positions.iter().map(|&q| errors.as_given(q)).collect();
-    GaugePart::fit(axis, &positions, &given).ok_or(
-        Problem::GaugeUndefined {
-            axis: name,
-            count: positions.len(),
-        }
-        .at(field),
-    )
+    let fitted = GaugePart::fit(axis, &positions, &given);
+    let (axis, count) = (name, positions.len());
+    fitted.ok_or(Problem::GaugeUndefined { axis, count }.at(field))
 }
 
-/// The different commanded positions (mm or rad) of the chosen runs of one axis, increasing.
-pub(crate) fn distinct_positions(
-    runs: &[PlannedRun],
-    chosen: impl Fn(&PlannedRun) -> bool,
-) -> Vec<f64> {
-    let mut positions: Vec<f64> = runs
-        .iter()
-        .filter(|&run| chosen(run))
-        .flat_map(|run| run.positions.iter().copied())
-        .collect();
+/// The different commanded positions (mm or rad) of runs of one axis, increasing.
+pub(crate) fn distinct_positions<'r>(runs: impl Iterator<Item = &'r PlannedRun>) -> Vec<f64> {
+    let mut positions: Vec<f64> = runs.flat_map(|run| run.positions.clone()).collect();
     positions.sort_by(f64::total_cmp);
     positions.dedup_by(|a, b| a.total_cmp(b).is_eq());
     positions

@@ -1,7 +1,6 @@
 //! What is true of a simulated campaign.
 
 use nalgebra::Point3;
-use serde::Serialize;
 use trueaxis_campaign::Direction;
 use trueaxis_effects::GivenEffect;
 use trueaxis_kinematics::{AxisKind, LocationComponent, MotionError};
@@ -9,7 +8,7 @@ use trueaxis_kinematics::{AxisKind, LocationComponent, MotionError};
 use crate::plan::Plan;
 use crate::read_errors::distinct_positions;
 use crate::systematic::Systematic;
-use crate::{Noise, ReflectorSpec, Scenario, truth_file};
+use crate::{Noise, ReflectorSpec, Scenario};
 
 /// The values that an estimator should find, in the reference frame and gauge of the calibration.
 ///
@@ -45,25 +44,23 @@ pub struct Truth {
 }
 
 /// A station as it stood.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TrueStation {
     /// Name.
     pub name: String,
     /// Position, mm.
-    #[serde(serialize_with = "truth_file::point")]
     pub position_mm: Point3<f64>,
     /// Dead path, mm.
     pub dead_path_mm: f64,
 }
 
 /// A target as it was mounted.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TrueTarget {
     /// Name.
     pub name: String,
     /// Home position h in `p = T1(q1) T2(q2) ... h`, mm. The component errors of axes at home are
     /// in the T, so p at home differs from h by the straightness there.
-    #[serde(rename = "position_mm", serialize_with = "truth_file::rounded")]
     pub home_mm: Point3<f64>,
 }
 
@@ -140,9 +137,8 @@ fn components(plan: &Plan, index: usize) -> TrueComponents {
     let truth = &plan.errors[index];
     let (mut positions, mut directions, mut errors) = (Vec::new(), Vec::new(), Vec::new());
     for direction in [Direction::Forward, Direction::Backward] {
-        let swept = distinct_positions(&plan.runs, |run| {
-            run.axis == index && run.directions.contains(&direction)
-        });
+        let own = plan.runs.iter().filter(|run| run.axis == index);
+        let swept = distinct_positions(own.filter(|run| run.directions.contains(&direction)));
         directions.extend(swept.iter().map(|_| direction));
         errors.extend(swept.iter().map(|&q| truth.motion_after(q, direction)));
         positions.extend(swept);

@@ -5,7 +5,6 @@
 
 use std::path::Path;
 
-use nalgebra::Point3;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 use trueaxis_campaign::Direction;
@@ -13,7 +12,7 @@ use trueaxis_files::{Place, round, without_nulls};
 use trueaxis_kinematics::{ARCSEC, Component};
 
 use crate::true_errors::unit_of;
-use crate::{Error, Problem, ReflectorSpec, TrueComponents, TrueLocation, Truth};
+use crate::{Error, Problem, TrueComponents, TrueLocation, Truth};
 
 /// Decimals of the values.
 const DECIMALS: i32 = 9;
@@ -39,6 +38,18 @@ impl Truth {
 
 impl Serialize for Truth {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let reflectors = self.reflectors.iter().map(|reflector| {
+            let constant_um = round(reflector.constant_um, DECIMALS);
+            json!({ "name": reflector.name, "constant_um": constant_um })
+        });
+        let stations = self.stations.iter().map(|station| {
+            let position_mm = <[f64; 3]>::from(station.position_mm);
+            json!({ "name": station.name, "position_mm": position_mm, "dead_path_mm": station.dead_path_mm })
+        });
+        let targets = self.targets.iter().map(|target| {
+            let position_mm = <[f64; 3]>::from(target.home_mm.map(|c| round(c, DECIMALS)));
+            json!({ "name": target.name, "position_mm": position_mm })
+        });
         let locations = self.location_errors.iter();
         let locations = locations.map(|location| (location.name.clone(), of_location(location)));
         // A campaign with an ideal scale and ideal reflectors says nothing about them.
@@ -51,19 +62,15 @@ impl Serialize for Truth {
             "seed": self.seed,
             "noise": self.noise,
             "scale_ppm": has_scale.then(|| round(self.scale_ppm, DECIMALS)),
-            "reflectors": has_constants.then(|| self.reflectors.iter().map(of_reflector).collect::<Value>()),
-            "stations": self.stations,
-            "targets": self.targets,
+            "reflectors": has_constants.then(|| reflectors.collect::<Value>()),
+            "stations": stations.collect::<Value>(),
+            "targets": targets.collect::<Value>(),
             "axes": self.axes.iter().map(of_axis).collect::<Value>(),
             "location_errors": locations.collect::<Value>(),
             "effects": (!self.effects.is_empty()).then_some(&self.effects),
         }));
         file.serialize(serializer)
     }
-}
-
-fn of_reflector(reflector: &ReflectorSpec) -> Value {
-    json!({ "name": reflector.name, "constant_um": round(reflector.constant_um, DECIMALS) })
 }
 
 fn of_axis(axis: &TrueComponents) -> Value {
@@ -96,17 +103,4 @@ fn of_location(location: &TrueLocation) -> Value {
         true => json!({ "value_arcsec": round(location.value / ARCSEC, DECIMALS) }),
         false => json!({ "value_mm": round(location.value, DECIMALS) }),
     }
-}
-
-/// Coordinates as they are.
-pub(crate) fn point<S: Serializer>(point: &Point3<f64>, serializer: S) -> Result<S::Ok, S::Error> {
-    <[f64; 3]>::from(*point).serialize(serializer)
-}
-
-/// Coordinates rounded as all values are.
-pub(crate) fn rounded<S: Serializer>(
-    point: &Point3<f64>,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    <[f64; 3]>::from(point.map(|c| round(c, DECIMALS))).serialize(serializer)
 }
