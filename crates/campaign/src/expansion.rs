@@ -63,10 +63,8 @@ fn expansion(axis: usize, spec: &AxisSpec) -> Result<Option<AxisExpansion>, Docu
         let expected = "a coefficient in um per m and K, such as 11.5 for steel";
         return refused("expansion_ppm_per_k", found, expected);
     }
-    let (field, sigma_k) = (
-        format!("{path}.temperature_sigma_k"),
-        spec.temperature_sigma_k,
-    );
+    let field = format!("{path}.temperature_sigma_k");
+    let sigma_k = spec.temperature_sigma_k;
     check_sigma(field, "standard uncertainty", sigma_k, " K", false)?;
     let column = spec.temperature_column.as_deref();
     let column = column.unwrap_or(AxisExpansion::DEFAULT_COLUMN);

@@ -37,10 +37,9 @@ pub(crate) fn check_sigma(
 ) -> Result<(), DocumentError> {
     let is_none = |sigma: &f64| *sigma < 0.0 || (*sigma == 0.0 && !or_zero);
     sigma.filter(is_none).map_or(Ok(()), |sigma| {
-        let least = if or_zero {
-            "zero or more"
-        } else {
-            "more than zero"
+        let least = match or_zero {
+            true => "zero or more",
+            false => "more than zero",
         };
         let expected = format!("{least}; leave it out if it is not known");
         let problem = DocumentProblem::value(format!("a {what} of {sigma}{unit}"), expected);

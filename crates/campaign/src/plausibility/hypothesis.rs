@@ -1,5 +1,6 @@
 //! Mistakes of unit that could explain data which cannot be true.
 
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::fmt;
 
@@ -171,13 +172,8 @@ fn measured(
 /// The column of each axis under test in `runs` alone, then all columns of a kind together.
 fn of_columns(campaign: &Campaign, runs: &[usize]) -> Vec<Hypothesis> {
     let axes = campaign.machine.axes();
-    let mut tested: Vec<usize> = runs
-        .iter()
-        .filter_map(|&run| campaign.runs.get(run))
-        .map(|run| run.axis)
-        .collect();
-    tested.sort_unstable();
-    tested.dedup();
+    let known = runs.iter().filter_map(|&run| campaign.runs.get(run));
+    let tested: BTreeSet<usize> = known.map(|run| run.axis).collect();
     let of_kind = |kind| -> Vec<usize> {
         let axes = axes.iter().enumerate();
         let axes = axes.filter(|(_, axis)| axis.kind() == kind);

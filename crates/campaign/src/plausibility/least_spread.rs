@@ -67,13 +67,8 @@ pub(crate) fn too_small(
         return Some(small);
     }
     let against_motion = |&station: &usize| {
-        let least_mm = LEAST_MOTION_MM;
-        below(
-            station,
-            Moments::motion_std_mm,
-            least_mm,
-            LEAST_PART_OF_MOTION,
-        )
+        let size_mm = Moments::motion_std_mm;
+        below(station, size_mm, LEAST_MOTION_MM, LEAST_PART_OF_MOTION)
     };
     let all: Option<Vec<TooSmall>> = stations.iter().map(against_motion).collect();
     all.filter(|small| small.len() >= STATIONS_NEEDED)?

@@ -34,22 +34,17 @@ const PRESSURES: [OtherUnit; 4] = [
 
 impl LoggedQuantity {
     fn range(self) -> Range {
+        let temperature = |possible| Range {
+            quantity: "a temperature",
+            unit: "deg C",
+            possible,
+            usual: [10.0, 40.0],
+            others: &TEMPERATURES,
+        };
         match self {
-            Self::AirTemperature => Range {
-                quantity: "a temperature",
-                unit: "deg C",
-                possible: [-40.0, 60.0],
-                usual: [10.0, 40.0],
-                others: &TEMPERATURES,
-            },
+            Self::AirTemperature => temperature([-40.0, 60.0]),
             // A spindle's bearing is hotter than any hall.
-            Self::MachineTemperature => Range {
-                quantity: "a temperature",
-                unit: "deg C",
-                possible: [-40.0, 150.0],
-                usual: [10.0, 40.0],
-                others: &TEMPERATURES,
-            },
+            Self::MachineTemperature => temperature([-40.0, 150.0]),
             // From the highest towns to the highest reading at sea level.
             Self::AirPressure => Range {
                 quantity: "a pressure",
