@@ -3,11 +3,10 @@
 use trueaxis_files::DocumentProblem;
 
 use crate::Error;
-use crate::finder::{Finder, splits};
+use crate::finder::{Finder, SplitCell, splits};
 use crate::import::Kind;
 use crate::map::Map;
 use crate::path::PlannedStop;
-use crate::pattern::Pattern;
 use crate::unit::{Quantity, Unit};
 
 /// Columns of both tables that are names or numbers of visits.
@@ -67,8 +66,7 @@ pub(crate) struct Columns {
     pub(crate) time: Option<(Source, Unit)>,
     pub(crate) axes: Vec<AxisColumn>,
     pub(crate) numbers: Vec<NumberColumn>,
-    /// Cells with several things, from 0, and what they are made of.
-    pub(crate) splits: Vec<(usize, Pattern)>,
+    pub(crate) splits: Vec<SplitCell>,
 }
 
 /// The names of the columns of an export and their line; none if they have only numbers.
@@ -95,7 +93,7 @@ impl Columns {
                 Some((source, map.unit_of_column("time_s", &of)?))
             }
         };
-        let mut columns = Self {
+        let columns = Self {
             station: finder.column("station")?,
             run: finder.column("run")?,
             target: finder.column("target")?,
@@ -104,13 +102,8 @@ impl Columns {
             time,
             axes: finder.axes(path)?,
             numbers: finder.numbers(kind)?,
-            splits: Vec::new(),
+            splits: finder.splits,
         };
-        columns.splits = finder
-            .splits
-            .into_iter()
-            .map(|(cell, pattern, _)| (cell, pattern))
-            .collect();
         let nothing = |name, example| Err(map.nothing(name, example));
         if kind == Kind::Lengths && columns.station.is_none() {
             return nothing("station", "station = { value = \"S1\" } below [columns]");
@@ -151,15 +144,11 @@ impl Columns {
         let axes = self.axes.iter().filter_map(|axis| axis.source.as_ref());
         let numbers = self.numbers.iter().map(|number| &number.source);
         let time = self.time.iter().map(|(source, _)| source);
-        let cells =
-            names
-                .chain(axes)
-                .chain(numbers)
-                .chain(time)
-                .filter_map(|source| match source {
-                    Source::Cell(cell) => Some(*cell),
-                    _ => None,
-                });
+        let sources = names.chain(axes).chain(numbers).chain(time);
+        let cells = sources.filter_map(|source| match source {
+            Source::Cell(cell) => Some(*cell),
+            _ => None,
+        });
         cells.chain(self.splits.iter().map(|(cell, _)| *cell))
     }
 }

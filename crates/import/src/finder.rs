@@ -15,8 +15,8 @@ use crate::{Error, Problem};
 /// µm in a mm.
 const MICROMETRES: f64 = 1e3;
 
-/// A cell of the map's `split` with its pattern and the field in the map.
-pub(crate) type SplitCell = (usize, Pattern, String);
+/// A cell, from 0, with several things, and what it is made of.
+pub(crate) type SplitCell = (usize, Pattern);
 
 /// All columns of the map's `split`.
 pub(crate) fn splits(map: &Map, names: Names<'_>) -> Result<Vec<SplitCell>, Error> {
@@ -39,7 +39,7 @@ pub(crate) fn splits(map: &Map, names: Names<'_>) -> Result<Vec<SplitCell>, Erro
             }
         }
         let cell = cell(map, names, &format!("split[{index}].column"), &split.column)?;
-        splits.push((cell, pattern, field));
+        splits.push((cell, pattern));
     }
     Ok(splits)
 }
@@ -67,14 +67,11 @@ impl Finder<'_> {
         column: Option<&ColumnName>,
         value: Option<&ColumnName>,
     ) -> Result<Option<Source>, Error> {
-        let part = self
-            .splits
-            .iter()
-            .enumerate()
-            .find_map(|(split, (_, pattern, _))| {
-                let field = pattern.names().position(|field| field == name)?;
-                Some(Source::Part { split, field })
-            });
+        let mut splits = self.splits.iter().enumerate();
+        let part = splits.find_map(|(split, (_, pattern))| {
+            let field = pattern.names().position(|field| field == name)?;
+            Some(Source::Part { split, field })
+        });
         match (column, value, part) {
             (Some(column), None, None) => {
                 cell(self.map, self.names, field, column).map(|cell| Some(Source::Cell(cell)))

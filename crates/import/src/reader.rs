@@ -3,7 +3,7 @@
 use crate::Problem;
 use crate::clock::{Clock, seconds_of_day};
 use crate::columns::{Columns, Names, Source};
-use crate::map::Map;
+use crate::map::{Map, Split};
 use crate::stops::Row;
 use crate::unit::{Quantity, Unit};
 
@@ -42,21 +42,16 @@ impl Reader<'_> {
                 problem,
             });
         }
-        let parts: Vec<Vec<&str>> = columns
-            .splits
-            .iter()
-            .enumerate()
-            .map(|(index, (cell, pattern))| {
-                let expected = || {
-                    format!(
-                        "a text like {}; or name it in skip_rows, if it is no reading",
-                        self.map.split[index].pattern
-                    )
-                };
-                let parts = pattern.split(&cells[*cell]);
-                parts.ok_or_else(|| self.fault(&Source::Cell(*cell), &cells[*cell], expected()))
+        let splits = columns.splits.iter().zip(&self.map.split);
+        let parts = splits.map(|((cell, pattern), Split { pattern: words, .. })| {
+            let text = &cells[*cell];
+            pattern.split(text).ok_or_else(|| {
+                let expected =
+                    format!("a text like {words}; or name it in skip_rows, if it is no reading");
+                self.fault(&Source::Cell(*cell), text, expected)
             })
-            .collect::<Result<_, _>>()?;
+        });
+        let parts = parts.collect::<Result<_, _>>()?;
         let row = RowText { cells, parts };
         let name = |source: &Option<Source>| -> Option<String> {
             let text = row.text(source.as_ref()?);

@@ -67,20 +67,17 @@ pub(crate) fn visits(
     }
     let (stops, orders): (Vec<Range<usize>>, Vec<&[String]>) = stops.into_iter().unzip();
     let planned = planned(&rows, &stops, path)?;
-    let positions: Vec<Vec<f64>> = stops
-        .iter()
-        .zip(&planned)
-        .map(|(stop, planned)| positions(&rows[stop.start], columns, *planned))
-        .collect();
-    let runs: Vec<String> = stops
-        .iter()
-        .zip(&planned)
-        .map(|(stop, planned)| {
-            let run = rows[stop.start].run.clone();
-            run.or_else(|| planned.map(|stop| stop.leg.run.clone()))
-                .unwrap_or_default()
-        })
-        .collect();
+    let first_rows = stops.iter().map(|stop| &rows[stop.start]);
+    let at_stops = first_rows.zip(planned.iter().copied());
+    let positions = at_stops
+        .clone()
+        .map(|(row, planned)| positions(row, columns, planned));
+    let positions: Vec<Vec<f64>> = positions.collect();
+    let runs = at_stops.map(|(row, planned)| {
+        let of_path = || planned.map(|stop| stop.leg.run.clone());
+        row.run.clone().or_else(of_path).unwrap_or_default()
+    });
+    let runs: Vec<String> = runs.collect();
     let inferred = inferred_directions(&rows, &stops, &runs, &positions);
 
     let mut seen: BTreeMap<(Option<String>, String, i8, Vec<u64>), u32> = BTreeMap::new();
@@ -89,10 +86,7 @@ pub(crate) fn visits(
         let first = &rows[stop.start];
         let planned = planned[number].map(|stop| stop.direction);
         let direction = first.direction.or(planned).unwrap_or(inferred[number]);
-        let bits = positions[number]
-            .iter()
-            .map(|position| position.to_bits())
-            .collect();
+        let bits = positions[number].iter().map(|q| q.to_bits()).collect();
         let key = (first.station.clone(), runs[number].clone(), direction, bits);
         let count = seen.entry(key).or_default();
         *count += 1;
