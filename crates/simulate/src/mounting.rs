@@ -31,23 +31,23 @@ pub(crate) fn check_mounting(
     let rigid = frame.motion(&tilts, &shifts);
     let names: Vec<&str> = anchors.iter().map(|target| target.name.as_str()).collect();
     let targets = names.join(", ");
-    if rigid.translation.amax() > MEAN_TOL_MM {
-        return Err(Problem::MountingMean {
+    let corrected = corrected(&anchors, &shifts, &rigid);
+    let problem = if rigid.translation.amax() > MEAN_TOL_MM {
+        Problem::MountingMean {
             targets,
             mean_mm: rigid.translation.into(),
-            corrected: corrected(&anchors, &shifts, &rigid),
+            corrected,
         }
-        .at("targets"));
-    }
-    if rigid.rotation.amax() > ROTATION_TOL_RAD {
-        return Err(Problem::MountingRotation {
+    } else if rigid.rotation.amax() > ROTATION_TOL_RAD {
+        Problem::MountingRotation {
             targets,
             rotation_rad: rigid.rotation.into(),
-            corrected: corrected(&anchors, &shifts, &rigid),
+            corrected,
         }
-        .at("targets"));
-    }
-    Ok(())
+    } else {
+        return Ok(());
+    };
+    Err(problem.at("targets"))
 }
 
 /// The mounting errors without the motion that belongs to the frame.

@@ -5,6 +5,8 @@
 //! the column, ϑ0 its value at the first reading; with a lag T (`time_constant` in s, 0 without) ϑ follows the
 //! column by `T ϑ' = column - ϑ`.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Vector3;
 use trueaxis_kinematics::{AxisKind, MICROMETRE};
 
@@ -42,9 +44,7 @@ const GROWTH_UM_PER_K: [f64; 2] = [-25.0, 25.0];
 
 /// Each column with each carrier of targets and with each linear axis.
 fn subjects(scene: &Scene) -> Vec<Subject> {
-    let mut carriers: Vec<usize> = scene.targets.iter().filter_map(|t| t.carrier).collect();
-    carriers.sort_unstable();
-    carriers.dedup();
+    let carriers: BTreeSet<usize> = scene.targets.iter().filter_map(|t| t.carrier).collect();
     let of_column = |column: usize| {
         let carriers = carriers.clone().into_iter().map(Subject::carrier);
         let axes = scene.moving_axes(AxisKind::Linear).map(Subject::axis);
