@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use trueaxis_report::{Report, Settings, report};
+use trueaxis_report::{Report, report};
 
 use crate::args::ReportArgs;
 use crate::exit::Exit;
@@ -14,7 +14,7 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<Exit> {
     let wanted = "--template wants a template of a report";
     let template = args.template.as_deref();
     let template = template.map(|file| read_text(file, wanted)).transpose()?;
-    let made = report(&args.folder, &Settings { template })?;
+    let made = report(&args.folder, template.as_deref())?;
     let page = write(&args.folder, &made)?;
     let figures = output::folder(Some(&args.folder.join(Report::FIGURES)), "")?;
     for (name, svg) in &made.figures {
@@ -30,7 +30,7 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<Exit> {
 /// version, does not let it, which is no reason to fail. Its figures are in it; as files, dozens of them, they would
 /// take longer than all the rest.
 pub(crate) fn of_results(folder: &Path) -> anyhow::Result<Option<PathBuf>> {
-    match report(folder, &Settings::default()) {
+    match report(folder, None) {
         Ok(made) => write(folder, &made).map(Some),
         Err(reason) => {
             notice(&format!("no {} was written: {reason}", Report::FILE));

@@ -1,4 +1,4 @@
-//! How people are told what files hold: units of long times, spans of rates, decimals of positions.
+//! How people are told what files hold: symbols of units, units of long times, spans of rates, decimals of positions.
 
 const DAY_S: f64 = 86_400.0;
 
@@ -21,6 +21,34 @@ pub fn told_unit(value: f64, unit: &str) -> (&str, f64) {
         s if unit == "s" && s >= LEAST * YEAR_S => ("years", YEAR_S),
         s if unit == "s" && s >= LEAST * DAY_S => ("days", DAY_S),
         _ => (unit, 1.0),
+    }
+}
+
+/// A unit of the files as people write it.
+///
+/// ```
+/// assert_eq!(trueaxis_files::unit_symbol("um/m2"), "µm/m²");
+/// ```
+pub fn unit_symbol(unit: &str) -> &str {
+    match unit {
+        "um" => "µm",
+        "arcsec" => "″",
+        "deg" => "°",
+        "um/m" => "µm/m",
+        "um/m2" => "µm/m²",
+        "um/rad2" => "µm/rad²",
+        "arcsec/rad" => "″/rad",
+        "um/K" => "µm/K",
+        "readings/1000" => "‰ of the time between two readings",
+        other => other,
+    }
+}
+
+/// The symbol of a unit as it stands behind a value: `″`, but `µm` with a space before it.
+pub fn told_behind(unit: &str, space: char) -> String {
+    match unit_symbol(unit) {
+        glued @ ("″" | "°" | "") => glued.to_owned(),
+        apart => format!("{space}{apart}"),
     }
 }
 

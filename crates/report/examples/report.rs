@@ -2,7 +2,7 @@
 
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
-use trueaxis_report::{Report, Settings, report};
+use trueaxis_report::{Report, report};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
@@ -10,7 +10,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let diagnosis = r#"{ "format": "trueaxis-diagnosis", "version": 1, "campaign": "FXYZ machine", "verdict": "clean" }"#;
     std::fs::write(folder.path().join("diagnosis.json"), diagnosis)?;
 
-    let report = report(folder.path(), &Settings::default())?;
+    let report = report(folder.path(), None)?;
     assert!(
         report
             .html

@@ -1,15 +1,15 @@
 //! The diagnosis: how the misfit splits, and each cause with where it acts.
 
 use serde::Serialize;
-use trueaxis_files::{told_places, told_span, told_unit};
+use trueaxis_files::{told_behind, told_places, told_span, told_unit};
 
 use crate::diagnosis::{Cause, CurvePoint, Diagnosis, Fitted, Level, MisfitAt, Parameter};
 use crate::disturbances::DisturbanceView;
 use crate::fitted_figure::fitted_figures;
-use crate::numbers::{COVERAGE, decimals, fixed, rough, signed};
+use crate::numbers::{COVERAGE, decimals, fixed, rough, signed, with_u};
 use crate::page::Figure;
 use crate::svg::Drawing;
-use crate::svg::plot::{COLOURS, Frame, Plot};
+use crate::svg::plot::{COLOURS, Plot};
 use crate::svg::ticks::{Scale, range};
 use crate::words;
 
@@ -87,9 +87,9 @@ impl DiagnosisSection {
 }
 
 fn level_view(k: usize, level: &Level, diagnosis: &Diagnosis) -> LevelView {
-    let names: Vec<String> = of_level(diagnosis, level)
-        .map(|cause| words::effect(&cause.effect, &cause.subject))
-        .collect();
+    let causes = diagnosis.causes.iter().filter(|cause| cause.is_in(level));
+    let names = causes.map(|cause| words::effect(&cause.effect, &cause.subject));
+    let names: Vec<String> = names.collect();
     let parts = parts(level, &names);
     let legend = parts.iter().map(|(name, share, class)| {
         let share = format!("{} %", fixed(100.0 * share, 0));
@@ -105,10 +105,6 @@ fn level_view(k: usize, level: &Level, diagnosis: &Diagnosis) -> LevelView {
         places: places(&format!("places-{}", k + 1), level),
         is_explained: level.is_explained(),
     }
-}
-
-fn of_level<'a>(diagnosis: &'a Diagnosis, level: &'a Level) -> impl Iterator<Item = &'a Cause> {
-    diagnosis.causes.iter().filter(|cause| cause.is_in(level))
 }
 
 /// Name, share and class of each part of the misfit; they add up to 1.
@@ -136,11 +132,11 @@ fn bar(name: &str, parts: &[(String, f64, String)]) -> Option<Figure> {
     if !(whole > 0.0 && whole.is_finite()) {
         return None;
     }
-    let title = parts
+    let told = parts
         .iter()
         .map(|(name, share, _)| format!("{name} {} %", fixed(100.0 * share, 0)));
-    let title: Vec<String> = title.collect();
-    let mut drawing = Drawing::new(BAR[0], BAR[1], title.join(", "));
+    let told: Vec<String> = told.collect();
+    let mut drawing = Drawing::new(BAR[0], BAR[1], told.join(", "));
     let mut x = 0.0;
     for (_, share, class) in parts {
         let width = BAR[0] * share.max(0.0) / whole;
@@ -150,8 +146,8 @@ fn bar(name: &str, parts: &[(String, f64, String)]) -> Option<Figure> {
         ));
         x += width;
     }
-    for (name, share, class) in parts {
-        drawing.add_key(class, &format!("{name} {} %", fixed(100.0 * share, 0)));
+    for ((.., class), told) in parts.iter().zip(&told) {
+        drawing.add_key(class, told);
     }
     Some(Figure::new(name, drawing))
 }
@@ -173,25 +169,19 @@ fn places(name: &str, level: &Level) -> Option<Figure> {
     let is_there = |by: &str| level.places.iter().any(|place| place.by == by);
     let kinds = kinds.iter().filter(|(by, _)| is_there(by));
     let kinds: Vec<&str> = kinds.map(|(_, words)| *words).collect();
-    let frame = Frame {
-        title: "",
-        x_label: &kinds.join(", "),
-        y_label: "misfit (rms) in µm",
-        size: [900.0, 260.0],
-    };
     let named = coarse
         .take(MOST_PLACES)
         .map(|place| match place.by.as_str() {
             "repeat" | "cycle" => (place, format!("#{}", place.name)),
             _ => (place, place.name.replace('-', "\u{2212}")),
         });
-    misfits(name, &frame, level, &named.collect::<Vec<_>>())
+    misfits(name, &kinds.join(", "), level, &named.collect::<Vec<_>>())
 }
 
 /// Misfits at places, with their names under the axis.
 fn misfits(
     name: &str,
-    frame: &Frame<'_>,
+    kinds: &str,
     level: &Level,
     places: &[(&MisfitAt, String)],
 ) -> Option<Figure> {
@@ -210,27 +200,24 @@ fn misfits(
         .enumerate()
         .map(|(k, (_, name))| (k as f64, tick(name, letters)));
     x.ticks = ticks.collect();
-    let mut plot = Plot::new(frame, x, Scale::new(low.max(0.0), high, 5));
+    let y = ("misfit (rms) in µm", Scale::new(low.max(0.0), high, 5));
+    let mut plot = Plot::new([900.0, 260.0], "", (kinds, x), y);
     if let Some(noise) = level.noise_floor_um {
-        plot.line("rule", &[[-0.6, noise], [end, noise]]);
+        plot.line("rule", [[-0.6, noise], [end, noise]]);
     }
     for (k, (place, _)) in places.iter().enumerate() {
         let k = k as f64;
         let (before, after) = (rough(place.before_um), rough(place.after_um));
-        let mut place_it = |point: [f64; 2], what: &str, is_without: bool| {
-            let at = std::iter::once(point);
-            match is_without {
-                true => plot.crosses("pk x", at),
-                false => plot.dots("mk", at),
-            }
+        let mut place_it = |point: [f64; 2], what: &str, class: &str| {
+            plot.marks(class, [point]);
             plot.hover(point, &format!("{} {}: {what}", place.by, place.name));
         };
         if level.is_explained() {
             let what = format!("{before} µm without, {after} µm with the causes");
-            place_it([k - 0.12, place.before_um], &what, true);
-            place_it([k + 0.12, place.after_um], &what, false);
+            place_it([k - 0.12, place.before_um], &what, "pk x");
+            place_it([k + 0.12, place.after_um], &what, "mk");
         } else {
-            place_it([k, place.before_um], &format!("{before} µm"), false);
+            place_it([k, place.before_um], &format!("{before} µm"), "mk");
         }
     }
     match level.is_explained() {
@@ -287,9 +274,9 @@ fn along_it(curve: Option<&[CurvePoint]>) -> String {
     let places = told_places(all.iter().map(|point| point[0]));
     all.sort_by(|a, b| a[1].total_cmp(&b[1]));
     let told = |[at, value, u]: &[f64; 3]| {
-        let digits = decimals(COVERAGE * u).min(3);
-        let (value, u) = (signed(*value, digits), fixed(COVERAGE * u, digits));
-        format!("{value} ± {u}\u{a0}µm at {}\u{a0}mm", fixed(*at, places))
+        let u = COVERAGE * u;
+        let told = with_u(*value, u, decimals(u).min(3));
+        format!("{told}\u{a0}µm at {}\u{a0}mm", fixed(*at, places))
     };
     match (all.first(), all.last()) {
         (Some(least), Some(most)) => format!("; from {} to {}", told(least), told(most)),
@@ -316,10 +303,7 @@ fn parameters(cause: &Cause) -> String {
         let name = parameter.name.replace('_', " ");
         let (unit, size) = told_unit(parameter.value, &parameter.unit);
         let (value, u) = (parameter.value / size, parameter.u.map(|u| u / size));
-        let unit = match words::unit(unit) {
-            glued @ ("″" | "°" | "") => glued.to_owned(),
-            apart => format!("\u{a0}{apart}"),
-        };
+        let unit = told_behind(unit, '\u{a0}');
         // Instants and durations have no side.
         let with_sign = match parameter.name.as_str() {
             "time" | "time_constant" | "period" => fixed,

@@ -3,17 +3,16 @@
 use serde::Serialize;
 
 use crate::calibration::{Axis, Calibration, Curve, Kind};
-use crate::numbers::{decimals, expanded, fixed, signed};
+use crate::numbers::{decimals, expanded, fixed, signed, with_u};
 use crate::page::Figure;
-use crate::svg::plot::{Frame, Plot};
-use crate::svg::ticks::{Scale, range};
+use crate::svg::plot::Plot;
+use crate::svg::ticks::{Scale, bounds, range};
 use crate::words;
 
 /// The section of an axis.
 #[derive(Serialize)]
 pub(crate) struct AxisSection {
     name: String,
-    kind: &'static str,
     pub(crate) figures: Vec<Figure>,
     rows: Vec<Summary>,
     /// Names of the sides of approach, where they are kept apart.
@@ -72,10 +71,6 @@ fn section(axis: &Axis, calibration: &Calibration) -> AxisSection {
     let described = |name: &str| words::component(name, &axis.name, &calibration.machine);
     AxisSection {
         name: axis.name.clone(),
-        kind: match axis.kind {
-            Kind::Linear => "linear",
-            Kind::Rotary => "rotary",
-        },
         figures: curves
             .iter()
             .map(|(name, curve)| figure(axis, name, curve, &described(name)))
@@ -112,9 +107,9 @@ fn half_of_band(u: f64, dof: Option<f64>) -> f64 {
 
 /// From the least to the largest of a curve with its band, and zero.
 fn shown(nodes: &[[f64; 3]]) -> [f64; 2] {
-    let bounds = nodes.iter();
-    let bounds = bounds.flat_map(|[_, value, half]| [*value, value - half, value + half]);
-    range(bounds.chain([0.0]))
+    let nodes = nodes.iter();
+    let ends = nodes.flat_map(|[_, value, half]| [*value, value - half, value + half]);
+    range(ends.chain([0.0]))
 }
 
 fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
@@ -130,16 +125,11 @@ fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
     let [low, high] = shown(&nodes);
     let [from, to] = range(axis.positions.iter().copied());
     let x = Scale::positions(axis.kind == Kind::Rotary, from, to, 5);
-    let frame = Frame {
-        title: &format!("{name}  {described}"),
-        x_label: &format!("{} in {}", axis.name, position_unit.trim()),
-        y_label: &match curve.is_angular() {
-            true => format!("{name} in arcsec"),
-            false => format!("{name} in µm"),
-        },
-        size: SIZE,
-    };
-    let mut plot = Plot::new(&frame, x, Scale::new(low, high, 5));
+    let x_label = format!("{} in {}", axis.name, position_unit.trim());
+    let in_words = if curve.is_angular() { "arcsec" } else { "µm" };
+    let y_label = format!("{name} in {in_words}");
+    let y = (&*y_label, Scale::new(low, high, 5));
+    let mut plot = Plot::new(SIZE, &format!("{name}  {described}"), (&x_label, x), y);
     let of_side = |side: Option<i8>| -> Vec<[f64; 3]> {
         let nodes = nodes.iter().enumerate();
         let on = nodes.filter(|(k, _)| side.is_none() || axis.direction.get(*k).copied() == side);
@@ -148,10 +138,10 @@ fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
         thinned(on)
     };
     let sides = match axis.direction.is_empty() {
-        true => vec![None],
-        false => vec![Some(1), Some(-1)],
+        true => vec![(None, "")],
+        false => vec![(Some(1), ", forward"), (Some(-1), ", backward")],
     };
-    for (colour, side) in sides.into_iter().enumerate() {
+    for (colour, (side, told)) in sides.into_iter().enumerate() {
         let on = of_side(side);
         let at = |shift: f64| -> Vec<[f64; 2]> {
             on.iter()
@@ -159,20 +149,13 @@ fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
                 .collect()
         };
         plot.band(colour, &at(-1.0), &at(1.0));
-        plot.line(&format!("l{colour}"), &at(0.0));
-        plot.dots(&format!("m{colour}"), at(0.0).into_iter());
-        let side = match side {
-            Some(1) => ", forward",
-            Some(_) => ", backward",
-            None => "",
-        };
+        plot.line(&format!("l{colour}"), at(0.0));
+        plot.marks(&format!("m{colour}"), at(0.0));
         for [x, value, expanded] in on {
-            let digits = decimals(expanded);
             let text = format!(
-                "{} = {x}{position_unit}{side}: {name} = {} ± {}{}{unit}",
+                "{} = {x}{position_unit}{told}: {name} = {}{}{unit}",
                 axis.name,
-                signed(value, digits),
-                fixed(expanded, digits),
+                with_u(value, expanded, decimals(expanded)),
                 if curve.is_angular() { "" } else { " " },
             );
             plot.hover([x, value], &text);
@@ -208,8 +191,7 @@ fn thinned(points: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
 
 fn summary(name: &str, curve: &Curve, words: String) -> Summary {
     let values = || curve.values().iter().copied().filter(|x| x.is_finite());
-    let least = values().fold(f64::INFINITY, f64::min);
-    let largest = values().fold(f64::NEG_INFINITY, f64::max);
+    let [least, largest] = bounds(values());
     let u = curve.u().iter().copied().fold(0.0, f64::max);
     let expanded = expanded(u, curve.dof);
     let digits = decimals(expanded).min(2);

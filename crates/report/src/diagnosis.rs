@@ -216,7 +216,6 @@ pub(crate) struct Level {
     pub(crate) level: String,
     pub(crate) data: String,
     pub(crate) noise_floor_um: Option<f64>,
-    pub(crate) prediction_u_um: Option<f64>,
     pub(crate) before: Option<Misfit>,
     pub(crate) after: Option<Misfit>,
     pub(crate) shares: Shares,

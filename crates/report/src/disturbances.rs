@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use crate::diagnosis::{CurvePoint, Disturbance};
-use crate::numbers::{decimals, fixed, signed};
+use crate::numbers::{decimals, fixed, with_u};
 use crate::page::Figure;
-use crate::svg::plot::{Frame, Plot};
+use crate::svg::plot::Plot;
 use crate::svg::ticks::{Scale, range};
 
 #[derive(Serialize)]
@@ -20,13 +20,7 @@ impl DisturbanceView {
         let curve = of.curve.as_deref().unwrap_or_default();
         Self {
             name: of.name(),
-            figures: smooth(
-                k,
-                curve,
-                argument(of),
-                coordinates(of),
-                of.axis().unwrap_or_default(),
-            ),
+            figures: smooth(k, curve, of),
         }
     }
 }
@@ -61,13 +55,8 @@ fn coordinates(of: &Disturbance) -> &'static [&'static str] {
 
 /// The course of a disturbance, a figure with its 95 % band for each coordinate, all to one scale; of the geometry of an axis at each
 /// of the positions where it is given.
-fn smooth(
-    k: usize,
-    curve: &[CurvePoint],
-    x_label: &str,
-    names: &[&str],
-    axis: &str,
-) -> Vec<Figure> {
+fn smooth(k: usize, curve: &[CurvePoint], of: &Disturbance) -> Vec<Figure> {
+    let (x_label, axis) = (argument(of), of.axis().unwrap_or_default());
     if curve.iter().any(|point| point.at.is_empty()) {
         return Vec::new();
     }
@@ -83,35 +72,26 @@ fn smooth(
     let [from, to] = range(curve.iter().map(|point| point.at[0]));
     let mut figures: Vec<Figure> = Vec::new();
     for own in curve.chunk_by(|a, b| a.at.get(1) == b.at.get(1)) {
-        let of = |c: usize, sign: f64| -> Vec<[f64; 2]> {
+        let edge = |c: usize, sign: f64| -> Vec<[f64; 2]> {
             own.iter().map(|point| part(point, c, sign)).collect()
         };
         let position = own[0].at.get(1);
-        for (c, name) in names.iter().take(count).enumerate() {
+        for (c, name) in coordinates(of).iter().take(count).enumerate() {
             let title = match position {
                 Some(position) => format!("{name} at {axis} = {}", fixed(*position, 0)),
                 None if count == 1 => String::new(),
                 None => (*name).to_owned(),
             };
-            let frame = Frame {
-                title: &title,
-                x_label,
-                y_label: "disturbance in µm",
-                size: [340.0, 200.0],
-            };
-            let mut plot = Plot::new(&frame, Scale::new(from, to, 4), Scale::new(low, high, 5));
-            plot.band(0, &of(c, -1.0), &of(c, 1.0));
-            plot.line("l0", &of(c, 0.0));
+            let x = (x_label, Scale::new(from, to, 4));
+            let y = ("disturbance in µm", Scale::new(low, high, 5));
+            let mut plot = Plot::new([340.0, 200.0], &title, x, y);
+            plot.band(0, &edge(c, -1.0), &edge(c, 1.0));
+            plot.line("l0", edge(c, 0.0));
             for point in own {
                 let [at, value] = part(point, c, 0.0);
                 let expanded = part(point, c, 1.0)[1] - value;
-                let digits = decimals(expanded);
-                let text = format!(
-                    "{x_label}: {}; {} ± {} µm",
-                    fixed(at, 1),
-                    signed(value, digits),
-                    fixed(expanded, digits)
-                );
+                let told = with_u(value, expanded, decimals(expanded));
+                let text = format!("{x_label}: {}; {told} µm", fixed(at, 1));
                 plot.hover([at, value], &text);
             }
             let number = figures.len() + 1;

@@ -7,8 +7,8 @@ use crate::calibration::Machine;
 use crate::numbers::{fixed, normal_quantile, rough};
 use crate::page::Figure;
 use crate::residuals::{Residuals, Row};
-use crate::svg::plot::{Frame, Plot, series_class, series_mark};
-use crate::svg::ticks::{Scale, range};
+use crate::svg::plot::{Plot, series_class};
+use crate::svg::ticks::{Scale, bounds, range};
 use crate::words::shortened;
 
 /// Above this many lengths each figure shows every n-th dot, and all that stand out.
@@ -86,7 +86,9 @@ impl Evidence {
                 false => "lengths",
             },
             legend: residuals.series.clone(),
-            marks: (0..residuals.series.len()).map(mark).collect(),
+            marks: (0..residuals.series.len())
+                .map(|series| series_class('i', series))
+                .collect(),
             thinned: (every > 1).then_some(every),
             count: residuals.rows.len(),
             reliability: redundancy(residuals),
@@ -97,12 +99,6 @@ impl Evidence {
         let single = [&self.time, &self.by_series, &self.quantiles];
         single.into_iter().chain(&self.over_position)
     }
-}
-
-/// The class of the mark of a series in a legend.
-fn mark(series: usize) -> String {
-    let (colour, is_cross) = series_mark(series);
-    format!("i{colour}{}", if is_cross { " x" } else { "" })
 }
 
 /// What tells the series apart.
@@ -144,29 +140,25 @@ fn half_of_noise(residuals: &Residuals) -> Option<f64> {
 /// Dashed lines at the ends of that range.
 fn draw_noise(plot: &mut Plot, half: Option<f64>, from: f64, to: f64) {
     for edge in half.into_iter().flat_map(|half| [-half, half]) {
-        plot.line("rule", &[[from, edge], [to, edge]]);
+        plot.line("rule", [[from, edge], [to, edge]]);
     }
 }
 
 fn in_time(residuals: &Residuals, every: usize, noise: Option<f64>) -> Figure {
     let [from, to] = range(residuals.rows.iter().map(|row| row.time_s));
-    let frame = Frame {
-        title: "",
-        x_label: "time in s",
-        y_label: "residual in µm",
-        size: WIDE,
-    };
     let y = of_used(residuals);
     let half = y.high;
     let from = from.max(0.0).min(to);
-    let mut plot = Plot::new(&frame, Scale::new(from, to, 8), y);
+    let x = ("time in s", Scale::new(from, to, 8));
+    let mut plot = Plot::new(WIDE, "", x, ("residual in µm", y));
     let at = |row: &Row| [row.time_s, row.residual_um.clamp(-half, half)];
     for series in 0..residuals.series.len() {
         let of_series = shown(residuals, every).filter(|(_, row)| row.used && row.series == series);
-        plot.series(series, of_series.map(|(_, row)| at(row)));
+        let points = of_series.map(|(_, row)| at(row));
+        plot.marks(&series_class('p', series), points);
     }
     let removed = residuals.rows.iter().filter(|row| !row.used);
-    plot.dots("out", removed.map(at));
+    plot.marks("out", removed.map(at));
     draw_noise(&mut plot, noise, from, to);
     let far = residuals
         .rows
@@ -184,7 +176,7 @@ fn in_time(residuals: &Residuals, every: usize, noise: Option<f64>) -> Figure {
         plot.hover(at(row), &text);
     }
     for (series, name) in residuals.series.iter().enumerate() {
-        plot.add_key(&series_class(series), name);
+        plot.add_key(&series_class('p', series), name);
     }
     plot.add_key("out", "removed");
     if noise.is_some() {
@@ -218,16 +210,10 @@ fn by_series(residuals: &Residuals) -> Figure {
             )
         })
         .collect();
-    let bounds = rms
+    let ends = rms
         .iter()
         .flat_map(|(_, _, rms, half)| [*rms, 1.0 - half, 1.0 + half]);
-    let [low, high] = range(bounds);
-    let frame = Frame {
-        title: &format!("rms by {} and target", by(residuals)),
-        x_label: by(residuals),
-        y_label: "rms (1 if noise alone)",
-        size: SMALL,
-    };
+    let [low, high] = range(ends);
     let mut x = Scale::new(-0.5, series as f64 - 0.5, 5);
     let most = 8;
     let every = series.div_ceil(most).max(1);
@@ -235,12 +221,14 @@ fn by_series(residuals: &Residuals) -> Figure {
     x.ticks = named
         .map(|(k, name)| (k as f64, shortened(name, MOST_LETTERS)))
         .collect();
-    let mut plot = Plot::new(&frame, x, Scale::new(low.max(0.0), high, 5));
+    let title = format!("rms by {} and target", by(residuals));
+    let y = ("rms (1 if noise alone)", Scale::new(low.max(0.0), high, 5));
+    let mut plot = Plot::new(SMALL, &title, (by(residuals), x), y);
     for (series, target, rms, half) in rms {
         let spread = 0.7 * ((target as f64 + 0.5) / targets as f64 - 0.5);
         let x = series as f64 + spread;
-        plot.line("range", &[[x, 1.0 - half], [x, 1.0 + half]]);
-        plot.dots("m0", std::iter::once([x, rms]));
+        plot.line("range", [[x, 1.0 - half], [x, 1.0 + half]]);
+        plot.marks("m0", [[x, rms]]);
         let text = format!(
             "{}: {} (noise alone: {} to {})",
             observed(residuals, series, target),
@@ -273,17 +261,10 @@ fn quantiles(residuals: &Residuals) -> Figure {
         .collect();
     let [low, high] = range(kept.iter().map(|&k| w[k]).chain(expected.iter().copied()));
     let half = low.abs().max(high.abs()).min(8.0);
-    let frame = Frame {
-        title: "quantiles of standardized residuals",
-        x_label: "normal distribution",
-        y_label: "residuals, standardized",
-        size: SMALL,
-    };
-    let mut plot = Plot::new(
-        &frame,
-        Scale::new(-half, half, 6),
-        Scale::new(-half, half, 6),
-    );
+    let title = "quantiles of standardized residuals";
+    let labels = ["normal distribution", "residuals, standardized"];
+    let [x, y] = labels.map(|label| (label, Scale::new(-half, half, 6)));
+    let mut plot = Plot::new(SMALL, title, x, y);
     // As many residuals are independent as there are degrees of freedom: the sum of the redundancy numbers.
     let redundancy = residuals.rows.iter().filter_map(|row| row.redundancy);
     let independent = redundancy.sum::<f64>().clamp(1.0, count.max(1) as f64);
@@ -300,12 +281,12 @@ fn quantiles(residuals: &Residuals) -> Figure {
             .collect()
     };
     plot.band(2, &edge(-1.0), &edge(1.0));
-    plot.line("rule", &[[-half, -half], [half, half]]);
+    plot.line("rule", [[-half, -half], [half, half]]);
     let points = kept
         .iter()
         .zip(&expected)
         .map(|(&k, &z)| [z, w[k].clamp(-half, half)]);
-    plot.dots("p0", points);
+    plot.marks("p0", points);
     Figure::new("residuals-quantiles", plot.finish())
 }
 
@@ -317,20 +298,15 @@ fn over_position(
     is_rotary: bool,
     noise: Option<f64>,
 ) -> Option<Figure> {
-    let mut bounds =
-        vec![[f64::INFINITY, f64::NEG_INFINITY]; residuals.runs.len() * residuals.axes.len()];
-    let axes = residuals.axes.len();
+    let mut ends = vec![[f64::INFINITY, f64::NEG_INFINITY]; residuals.runs.len()];
     for (k, row) in residuals.rows.iter().enumerate() {
-        for (bound, &position) in bounds[row.run * axes..]
-            .iter_mut()
-            .zip(residuals.positions(k))
-        {
-            *bound = [bound[0].min(position), bound[1].max(position)];
-        }
+        let position = residuals.positions(k)[axis];
+        let [low, high] = ends[row.run];
+        ends[row.run] = [low.min(position), high.max(position)];
     }
     let moves = |run: usize| {
-        let bound = bounds[run * axes + axis];
-        !residuals.runs[run].is_empty() && bound[1] > bound[0]
+        let [low, high] = ends[run];
+        !residuals.runs[run].is_empty() && high > low
     };
     let points: Vec<(usize, [f64; 2])> = shown(residuals, every)
         .filter(|(_, row)| row.used && moves(row.run))
@@ -341,17 +317,14 @@ fn over_position(
     }
     let [from, to] = range(points.iter().map(|(_, point)| point[0]));
     let name = &residuals.axes[axis];
-    let frame = Frame {
-        title: &format!("over the position of {name}"),
-        x_label: &format!("{name} in {}", if is_rotary { "°" } else { "mm" }),
-        y_label: "residual in µm",
-        size: SMALL,
-    };
-    let x = Scale::positions(is_rotary, from, to, 5);
-    let mut plot = Plot::new(&frame, x, of_used(residuals));
+    let title = format!("over the position of {name}");
+    let label = format!("{name} in {}", if is_rotary { "°" } else { "mm" });
+    let x = (&*label, Scale::positions(is_rotary, from, to, 5));
+    let mut plot = Plot::new(SMALL, &title, x, ("residual in µm", of_used(residuals)));
     for series in 0..residuals.series.len() {
         let of_series = points.iter().filter(|(of, _)| *of == series);
-        plot.series(series, of_series.map(|(_, point)| *point));
+        let points = of_series.map(|(_, point)| *point);
+        plot.marks(&series_class('p', series), points);
     }
     draw_noise(&mut plot, noise, from, to);
     Some(Figure::new(&format!("residuals-{name}"), plot.finish()))
@@ -363,13 +336,7 @@ fn redundancy(residuals: &Residuals) -> Option<Redundancy> {
     Some(Redundancy {
         median: fixed(median(&mut numbers)?, 2),
         // Of lengths with common noise it may be below zero: nothing of an error shows.
-        least: fixed(
-            numbers
-                .iter()
-                .fold(f64::INFINITY, |least, r| r.min(least))
-                .max(0.0),
-            2,
-        ),
+        least: fixed(bounds(numbers.iter().copied())[0].max(0.0), 2),
         hardly_checked: numbers.iter().filter(|r| **r < HARDLY).count(),
     })
 }

@@ -1,12 +1,13 @@
 //! The misfit without a cause, and the cause as fitted to it.
 
+use trueaxis_files::unit_symbol;
+
 use crate::diagnosis::Fitted;
 use crate::numbers::{fixed, signed};
 use crate::page::Figure;
 use crate::svg::Drawing;
-use crate::svg::plot::{Frame, Plot};
+use crate::svg::plot::Plot;
 use crate::svg::ticks::{Scale, range};
-use crate::words;
 
 /// A figure for each coordinate in which the cause of a rank shows, the one in which it shows most first, all to one
 /// scale.
@@ -93,26 +94,20 @@ impl<'a> Values<'a> {
         let is_time = fitted.is_over_time();
         let at = |k: usize| fitted.at.get(k).copied().unwrap_or(f64::NAN);
         let [from, to] = range((0..misfit.len()).map(at));
-        let place_unit = words::unit(&fitted.unit);
-        let frame = Frame {
-            title: &fitted.of,
-            x_label: &match fitted.against.as_str() {
-                "order" => "number of the reading".to_owned(),
-                against => format!("{against} in {place_unit}"),
-            },
-            y_label: &match self.is_of_curve {
-                true => format!("error in {unit}"),
-                false => format!("misfit in {unit}"),
-            },
-            size,
+        let place_unit = unit_symbol(&fitted.unit);
+        let x_label = match fitted.against.as_str() {
+            "order" => "number of the reading".to_owned(),
+            against => format!("{against} in {place_unit}"),
         };
+        let what = if self.is_of_curve { "error" } else { "misfit" };
+        let y_label = format!("{what} in {unit}");
         let x = Scale::positions(
             place_unit == "°",
             from,
             to,
             if size[0] > 400.0 { 5 } else { 4 },
         );
-        let mut plot = Plot::new(&frame, x, y);
+        let mut plot = Plot::new(size, &fitted.of, (&x_label, x), (&y_label, y));
         // Time has no sides; over a position each side of approach has its own course.
         let is_on = |k: usize, forward: bool| {
             let side = fitted.direction.get(k).copied().unwrap_or(1);
@@ -126,9 +121,8 @@ impl<'a> Values<'a> {
             if !self.u.is_empty() {
                 plot.band(colour, &bound(-1.0), &bound(1.0));
             }
-            plot.dots(&format!("p{colour}"), of_side().map(|k| [at(k), misfit[k]]));
-            let course: Vec<[f64; 2]> = of_side().map(|k| [at(k), effect[k]]).collect();
-            plot.line(&format!("l{colour}"), &course);
+            plot.marks(&format!("p{colour}"), of_side().map(|k| [at(k), misfit[k]]));
+            plot.line(&format!("l{colour}"), of_side().map(|k| [at(k), effect[k]]));
             for k in of_side() {
                 let text = format!(
                     "{} = {} {place_unit}: {}{}, cause {}{glued}",

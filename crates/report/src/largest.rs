@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::calibration::{Calibration, Curve, Kind};
 use crate::locations::Measured;
-use crate::numbers::{decimals, expanded, fixed, signed};
+use crate::numbers::{decimals, expanded, fixed, with_u};
 use crate::words;
 
 /// An error with what it does.
@@ -76,11 +76,7 @@ fn entry(name: &str, words: String, [value, expanded]: [f64; 2], lever_um: Optio
     Largest {
         name: name.to_owned(),
         words,
-        value: format!(
-            "{} ± {}{unit}",
-            signed(value, digits),
-            fixed(expanded, digits)
-        ),
+        value: with_u(value, expanded, digits) + unit,
         displacement_um,
         shown_um: fixed(displacement_um, if displacement_um < 9.95 { 1 } else { 0 }),
     }

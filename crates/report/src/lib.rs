@@ -12,8 +12,8 @@
 //! The page stands alone: figures, style and script are in it, and nothing is asked of a network. Whatever comes from a
 //! file is text, never markup. The same files give the same bytes.
 //!
-//! The page is a template of [minijinja](https://docs.rs/minijinja) which another one may replace
-//! ([`Settings::template`]); it gets the files as they stand (`calibration`, `diagnosis`, `volume`) beside the figures
+//! The page is a template of [minijinja](https://docs.rs/minijinja) which another one, given to [`report()`], may
+//! replace; it gets the files as they stand (`calibration`, `diagnosis`, `volume`) beside the figures
 //! and numbers made of them, and missing values are undefined and raise no error.
 //!
 //! It does not calculate: every number is in the files, but for rms and quantiles of residuals.
@@ -44,4 +44,4 @@ mod verification;
 mod words;
 
 pub use error::Error;
-pub use report::{Report, Settings, report};
+pub use report::{Report, report};

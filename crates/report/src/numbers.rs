@@ -59,6 +59,12 @@ pub(crate) fn signed(value: f64, decimals: usize) -> String {
     }
 }
 
+/// A value with its expanded uncertainty: `+14.5 ± 1.4`.
+pub(crate) fn with_u(value: f64, expanded: f64, decimals: usize) -> String {
+    let (value, expanded) = (signed(value, decimals), fixed(expanded, decimals));
+    format!("{value} ± {expanded}")
+}
+
 /// To three significant digits.
 pub(crate) fn rough(value: f64) -> String {
     match value.abs() {

@@ -1,7 +1,7 @@
 //! What the template gets.
 
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::causes::DiagnosisSection;
 use crate::components::{self, AxisSection};
@@ -50,7 +50,7 @@ pub(crate) struct Page<'a> {
     left_out: &'a [String],
     locations: Vec<Location>,
     largest: Vec<crate::largest::Largest>,
-    scene: Option<&'a Scene>,
+    scene: Option<Scene>,
     machine_figure: Option<Figure>,
     axes: Vec<AxisSection>,
     evidence: Option<Evidence>,
@@ -65,23 +65,13 @@ pub(crate) struct Page<'a> {
     figure_style: &'static str,
 }
 
-/// A page needs the scene as long as it lives.
-pub(crate) fn scene(input: &Input) -> Option<Scene> {
-    input
-        .calibration
-        .as_ref()
-        .and_then(|document| Scene::new(&document.parts))
-}
-
 /// Parts of the uncertainty budgets that any result has.
 fn budget_parts(calibration: &Value) -> Vec<[&'static str; 2]> {
-    let fields = |value: &'_ Value| -> Vec<Value> {
-        let fields = value.as_object().into_iter().flatten();
-        fields.map(|(_, result)| result["budget"].clone()).collect()
-    };
     let axes = calibration["axes"].as_array().into_iter().flatten();
-    let mut budgets: Vec<Value> = axes.flat_map(|axis| fields(&axis["components"])).collect();
-    budgets.extend(fields(&calibration["location_errors"]));
+    let results = axes.map(|axis| &axis["components"]);
+    let results = results.chain([&calibration["location_errors"]]);
+    let results = results.filter_map(Value::as_object).flat_map(Map::values);
+    let budgets: Vec<&Value> = results.map(|result| &result["budget"]).collect();
     let all = [
         ["laser", "laser"],
         ["machine_return", "repeatability"],
@@ -94,12 +84,14 @@ fn budget_parts(calibration: &Value) -> Vec<[&'static str; 2]> {
 }
 
 impl<'a> Page<'a> {
-    pub(crate) fn new(input: &'a Input, scene: Option<&'a Scene>) -> Self {
+    pub(crate) fn new(input: &'a Input) -> Self {
         let calibration = input.calibration.as_ref().map(|document| &document.parts);
         let diagnosis = input.diagnosis.as_ref().map(|document| &document.parts);
         let verification = input.verification.as_ref().map(|document| &document.parts);
         let machine = calibration.map(|calibration| &calibration.machine);
         let residuals = input.residuals.as_ref();
+        let raw = input.calibration.as_ref().map(|document| &document.raw);
+        let scene = calibration.and_then(Scene::new);
         Self {
             campaign: match (calibration, diagnosis, verification) {
                 (Some(calibration), _, _) => &calibration.campaign,
@@ -116,20 +108,17 @@ impl<'a> Page<'a> {
             left_out: &input.left_out,
             locations: calibration.map_or_else(Vec::new, locations),
             largest: calibration.map_or_else(Vec::new, crate::largest::largest),
+            machine_figure: scene.as_ref().map(Scene::still),
             scene,
-            machine_figure: scene.map(Scene::still),
             axes: calibration.map_or_else(Vec::new, components::sections),
             evidence: residuals.and_then(|residuals| Evidence::new(residuals, machine)),
             causes: diagnosis.map(DiagnosisSection::new),
             verified: verification.map(VerificationSection::new),
-            calibration: input.calibration.as_ref().map(|document| &document.raw),
+            calibration: raw,
             diagnosis: input.diagnosis.as_ref().map(|document| &document.raw),
             volume: input.volume.as_ref(),
             montecarlo: input.montecarlo.as_ref(),
-            budget_parts: match &input.calibration {
-                Some(document) => budget_parts(&document.raw),
-                None => Vec::new(),
-            },
+            budget_parts: raw.map_or_else(Vec::new, budget_parts),
             figure_style: include_str!("figure.css"),
         }
     }

@@ -8,20 +8,13 @@ use minijinja::{AutoEscape, Environment, UndefinedBehavior};
 
 use crate::Error;
 use crate::input::Input;
-use crate::page::{Page, scene};
+use crate::page::Page;
 
 /// The template of the page.
 const TEMPLATE: &str = include_str!("report.html");
 
 /// The script of the page: the view that turns, and the values that hovering shows.
 const SCRIPT: &str = include_str!("report.js");
-
-/// How a report is made.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Settings {
-    /// A template in place of the program's own.
-    pub template: Option<String>,
-}
 
 /// A report.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -40,22 +33,20 @@ impl Report {
     pub const FIGURES: &str = "figures";
 }
 
-/// Shows the results in `folder`.
+/// Shows the results in `folder`, by a template in place of the program's own if one is given.
 ///
 /// # Errors
 /// If the folder has no result, if a file in it is not what its name says, or if the template fails. Files that are
 /// not there leave their part of the page out.
-pub fn report(folder: &Path, settings: &Settings) -> Result<Report, Error> {
+pub fn report(folder: &Path, template: Option<&str>) -> Result<Report, Error> {
     let input = Input::read(folder)?;
-    let scene = scene(&input);
-    let page = Page::new(&input, scene.as_ref());
-    let template = settings.template.as_deref().unwrap_or(TEMPLATE);
+    let page = Page::new(&input);
+    let html = render(template.unwrap_or(TEMPLATE), &page);
     let figures = page.figures().into_iter();
     let figures = figures.map(|figure| (format!("{}.svg", figure.name), figure.alone.clone()));
-    let figures = figures.collect();
     Ok(Report {
-        html: render(template, &page).map_err(|source| Error::Template { source })?,
-        figures,
+        html: html.map_err(|source| Error::Template { source })?,
+        figures: figures.collect(),
     })
 }
 

@@ -6,6 +6,7 @@ use serde::Serialize;
 use crate::calibration::{Calibration, Kind, NominalAxis};
 use crate::page::Figure;
 use crate::svg::Drawing;
+use crate::svg::ticks::bounds;
 
 /// Lines and points in the reference frame, mm.
 #[derive(Serialize)]
@@ -74,18 +75,13 @@ impl Scene {
             centre: middle,
             radius: 1.0,
         };
-        let axes = || {
-            calibration
-                .machine
-                .axes
-                .iter()
-                .filter(|axis| finite(&axis.direction))
-        };
-        let linear: Vec<&NominalAxis> = axes().filter(|axis| axis.kind == Kind::Linear).collect();
+        let axes = calibration.machine.axes.iter();
+        let axes = axes.filter(|axis| finite(&axis.direction));
+        let (linear, rotary): (Vec<_>, Vec<_>) = axes.partition(|axis| axis.kind == Kind::Linear);
         scene.volume(&linear);
         let far = targets.iter().map(|target| distance(target.at, middle));
         let size = far.fold(60.0, f64::max);
-        for axis in axes().filter(|axis| axis.kind == Kind::Rotary) {
+        for axis in rotary {
             scene.turning(axis, size);
         }
         if stations.len() <= MOST_NAMED {
@@ -199,11 +195,8 @@ impl Scene {
                 0.5 * SIZE[1] + scale * (b - y[0]),
             ]
         };
-        let names: Vec<&str> = self
-            .points
-            .iter()
-            .map(|point| point.name.as_str())
-            .collect();
+        let names = self.points.iter().map(|point| point.name.as_str());
+        let names: Vec<&str> = names.collect();
         let title = format!("machine, targets and stations: {}", names.join(", "));
         let mut drawing = Drawing::new(SIZE[0], SIZE[1], title);
         for line in &self.lines {
@@ -215,8 +208,8 @@ impl Scene {
             let at = place(point.at);
             match point.class {
                 "axis" => {}
-                "station" => drawing.dots("out", std::iter::once(at)),
-                _ => drawing.dots("m0", std::iter::once(at)),
+                "station" => drawing.marks("out", [at]),
+                _ => drawing.marks("m0", [at]),
             }
             if named && let Some(text) = free(at, &point.name, &mut taken) {
                 drawing.text(text, "k", "start", &point.name);
@@ -258,9 +251,8 @@ fn free(at: [f64; 2], name: &str, taken: &mut Vec<[f64; 4]>) -> Option<[f64; 2]>
 }
 
 /// The middle of some values, and how far they extend, at least 1.
-fn extent(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
-    let low = values.clone().fold(f64::INFINITY, f64::min);
-    let high = values.fold(f64::NEG_INFINITY, f64::max);
+fn extent(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let [low, high] = bounds(values);
     [0.5 * (low + high), (high - low).max(1.0)]
 }
 

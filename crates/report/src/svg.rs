@@ -3,8 +3,6 @@
 //! Marks have classes; colours come from a style sheet, so that the page shows them dark or light. A file of its
 //! own carries the light ones and the key that stands beside the figure on the page ([`Drawing::alone`]). All text is escaped.
 
-#[cfg(test)]
-mod colours;
 pub(crate) mod plot;
 pub(crate) mod ticks;
 
@@ -81,7 +79,7 @@ impl Drawing {
         );
     }
 
-    pub(crate) fn path(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
+    pub(crate) fn path(&mut self, class: &str, points: impl IntoIterator<Item = [f64; 2]>) {
         let mut d = String::new();
         for [x, y] in points {
             let letter = if d.is_empty() { 'M' } else { 'L' };
@@ -96,27 +94,15 @@ impl Drawing {
         }
     }
 
-    /// Dots as one element: thousands of them stay small.
-    pub(crate) fn dots(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
-        self.marks(class, [0.0, 0.0], "h0", points);
-    }
-
-    /// Crosses, as one element, too.
-    pub(crate) fn crosses(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
-        self.marks(class, [-2.0, -2.0], "l4 4m0-4l-4 4", points);
-    }
-
-    /// The same mark at each point, drawn from so far beside it.
-    fn marks(
-        &mut self,
-        class: &str,
-        from: [f64; 2],
-        mark: &str,
-        points: impl Iterator<Item = [f64; 2]>,
-    ) {
+    /// Dots, or crosses of a class that ends in ` x`, as one element: thousands of them stay small.
+    pub(crate) fn marks(&mut self, class: &str, points: impl IntoIterator<Item = [f64; 2]>) {
+        let (beside, mark) = match class.ends_with(" x") {
+            true => (-2.0, "l4 4m0-4l-4 4"),
+            false => (0.0, "h0"),
+        };
         let mut d = String::new();
         for [x, y] in points {
-            let (x, y) = (coordinate(x + from[0]), coordinate(y + from[1]));
+            let (x, y) = (coordinate(x + beside), coordinate(y + beside));
             let _ = write!(d, "M{x} {y}{mark}");
         }
         self.path_of(class, &d);
@@ -158,9 +144,8 @@ impl Drawing {
                         r#"rect class="{class}" x="{x}" y="{y}" width="16" height="10""#
                     ));
                 }
-                Some('l' | 'r') => all.path(class, [[x, y], [x + 18.0, y]].into_iter()),
-                _ if class.ends_with(" x") => all.crosses(class, std::iter::once([x + 8.0, y])),
-                _ => all.dots(class, std::iter::once([x + 8.0, y])),
+                Some('l' | 'r') => all.path(class, [[x, y], [x + 18.0, y]]),
+                _ => all.marks(class, [[x + 8.0, y]]),
             }
             all.text([x + KEY_MARK, y + 4.0], "k", "start", words);
             at[0] += width;

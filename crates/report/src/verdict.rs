@@ -27,13 +27,13 @@ impl Verdict {
         diagnosis: Option<&Diagnosis>,
         verification: Option<&Verification>,
     ) -> Self {
-        let louder = calibration.and_then(louder);
-        let mut contradictions = calibration.map_or_else(Vec::new, contradictions);
-        let is_only_louder = louder.is_some() && contradictions.is_empty();
-        contradictions.splice(0..0, louder);
+        let contradiction = calibration.and_then(contradiction);
+        let is_only_louder = contradiction.is_none();
+        let louder = calibration.and_then(louder).into_iter();
+        let mut reasons: Vec<String> = louder.chain(contradiction).collect();
         let consequence = diagnosis.map_or_else(Consequence::default, Consequence::new);
         let diagnosed = diagnosis.map(|diagnosis| (diagnosis.verdict.as_str(), said(diagnosis)));
-        let (mut level, mut sentence) = match (&diagnosed, contradictions.is_empty()) {
+        let (mut level, mut sentence) = match (&diagnosed, reasons.is_empty()) {
             (Some(("clean", _)), true) => (
                 "good",
                 "The calibration is sound: nothing in the data contradicts the rigid machine model.",
@@ -73,7 +73,6 @@ impl Verdict {
                 _ => (level, "The readings could not be judged."),
             };
         }
-        let mut reasons = contradictions;
         if let Some(taken_out) = calibration.and_then(taken_out) {
             if level == "good" {
                 (level, sentence) = (
@@ -183,19 +182,17 @@ fn louder(calibration: &Calibration) -> Option<String> {
 }
 
 /// Steps, runs and known lengths that contradict the rest.
-fn contradictions(calibration: &Calibration) -> Vec<String> {
-    let names = calibration
-        .misfits
-        .iter()
-        .map(|misfit| misfit.step.as_str());
-    match names.collect::<Vec<&str>>().as_slice() {
-        [] => Vec::new(),
-        [one] => vec![format!("It contradicts the rest: {one}.")],
-        [first, others @ ..] => vec![format!(
-            "They contradict the rest: {first}, and {} more (steps, runs or known lengths).",
-            others.len()
-        )],
-    }
+fn contradiction(calibration: &Calibration) -> Option<String> {
+    let [first, others @ ..] = calibration.misfits.as_slice() else {
+        return None;
+    };
+    let step = &first.step;
+    Some(match others.len() {
+        0 => format!("It contradicts the rest: {step}."),
+        more => format!(
+            "They contradict the rest: {step}, and {more} more (steps, runs or known lengths)."
+        ),
+    })
 }
 
 /// The diagnosis in a sentence.
@@ -210,25 +207,17 @@ fn said(diagnosis: &Diagnosis) -> String {
             }
         })
         .collect();
+    let wanders = diagnosis.disturbances.iter().map(Disturbance::name);
+    let wanders: Vec<String> = wanders.collect();
+    let (names, wanders) = (names.join("; "), wanders.join("; "));
     match diagnosis.verdict.as_str() {
         "clean" => "Diagnosis: clean, nothing but noise beside the rigid model.".to_owned(),
-        "named" | "ambiguous" if is_mostly_wandering(diagnosis) => {
-            let wanders = diagnosis.disturbances.iter().map(Disturbance::name);
-            let wanders: Vec<String> = wanders.collect();
-            format!(
-                "Diagnosis: most of the misfit is {}, which no known effect explains; beside it {}.",
-                wanders.join("; "),
-                names.join("; ")
-            )
-        }
-        "named" | "ambiguous" => format!("Diagnosis: {}.", names.join("; ")),
+        "named" | "ambiguous" if is_mostly_wandering(diagnosis) => format!(
+            "Diagnosis: most of the misfit is {wanders}, which no known effect explains; beside it {names}."
+        ),
+        "named" | "ambiguous" => format!("Diagnosis: {names}."),
         "unknown" if !diagnosis.disturbances.is_empty() => {
-            let names = diagnosis.disturbances.iter().map(Disturbance::name);
-            let names: Vec<String> = names.collect();
-            format!(
-                "Diagnosis: {}; no known effect explains it.",
-                names.join("; ")
-            )
+            format!("Diagnosis: {wanders}; no known effect explains it.")
         }
         "unknown" => {
             "Diagnosis: something is in the data that no known effect explains.".to_owned()

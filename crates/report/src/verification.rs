@@ -7,8 +7,8 @@ use serde_json::Value;
 
 use crate::numbers::{COVERAGE, decimals, fixed, p_value, signed};
 use crate::page::Figure;
-use crate::svg::plot::{Frame, Plot};
-use crate::svg::ticks::{Scale, range};
+use crate::svg::plot::Plot;
+use crate::svg::ticks::{Scale, bounds, range};
 
 /// What figures and tables need of `verification.json`.
 #[derive(Debug, Default, Deserialize)]
@@ -83,7 +83,6 @@ pub(crate) struct VerificationSection {
 #[derive(Serialize)]
 struct EntryView {
     name: String,
-    kind: String,
     figure: Option<Figure>,
     /// How well readings and prediction agree, where the uncertainty of a reading is declared.
     agreement: Option<String>,
@@ -142,9 +141,8 @@ impl VerificationSection {
                 (squares / entry.points.len().max(1) as f64).sqrt()
             };
             let range_of = |value: &dyn Fn(&Point) -> f64| {
-                let values = || entry.points.iter().map(value);
-                let low = values().fold(f64::INFINITY, f64::min);
-                (values().fold(f64::NEG_INFINITY, f64::max) - low).max(0.0)
+                let [low, high] = bounds(entry.points.iter().map(value));
+                (high - low).max(0.0)
             };
             let without = range_of(&|point| point.predicted_um);
             let with = range_of(&|point| point.compensated_um);
@@ -155,7 +153,6 @@ impl VerificationSection {
                 compensated_um: fixed(with, 2),
                 moves_more: with > without + LAST_DIGIT_UM,
                 name: entry.name.clone(),
-                kind: entry.kind.clone(),
                 figure: figure(k, entry, &verification.rotary_axes),
                 agreement: entry.e_n.as_ref().map(|e_n| {
                     format!(
@@ -207,34 +204,26 @@ fn figure(k: usize, entry: &Entry, rotary_axes: &[String]) -> Option<Figure> {
     };
     let u_reading = |point: &Point| COVERAGE * point.u_reading_um.unwrap_or(0.0);
     let u_prediction = |point: &Point| COVERAGE * point.u_prediction_um.unwrap_or(0.0);
-    let points = || entry.points.iter();
     let [from, to] = range(numbered.iter().map(|(x, _)| *x));
-    let bounds = points().flat_map(|point| {
-        let (reading, u_r) = (point.reading_um, u_reading(point));
-        let (predicted, u_p) = (point.predicted_um, u_prediction(point));
-        let ends = [
-            reading - u_r,
-            reading + u_r,
-            predicted - u_p,
-            predicted + u_p,
-        ];
-        ends.into_iter().chain([point.compensated_um])
-    });
-    let [low, high] = range(bounds);
-    let frame = Frame {
-        title: "",
-        x_label: &match is_place {
-            true => format!("{axis} in {}", unit.trim()),
-            false => "number of the reading".to_owned(),
-        },
-        y_label: match entry.kind.as_str() {
-            "ballbar" => "change of the bar in µm",
-            _ => "deviation in µm",
-        },
-        size: SIZE,
+    let [low, high] = range(entry.points.iter().flat_map(|point| {
+        let around = |value: f64, u: f64| [value - u, value + u];
+        let read = around(point.reading_um, u_reading(point));
+        let predicted = around(point.predicted_um, u_prediction(point));
+        read.into_iter()
+            .chain(predicted)
+            .chain([point.compensated_um])
+    }));
+    let x_label = match is_place {
+        true => format!("{axis} in {}", unit.trim()),
+        false => "number of the reading".to_owned(),
+    };
+    let y_label = match entry.kind.as_str() {
+        "ballbar" => "change of the bar in µm",
+        _ => "deviation in µm",
     };
     let x = Scale::positions(is_rotary && is_place, from, to, 8);
-    let mut plot = Plot::new(&frame, x, Scale::new(low, high, 5));
+    let y = (y_label, Scale::new(low, high, 5));
+    let mut plot = Plot::new(SIZE, "", (&x_label, x), y);
     for side in [1, -1] {
         let on_side = numbered.iter().filter(|(_, point)| point.direction == side);
         let mut of_side: Vec<&(f64, &Point)> = on_side.collect();
@@ -247,20 +236,15 @@ fn figure(k: usize, entry: &Entry, rotary_axes: &[String]) -> Option<Figure> {
         };
         let edge = |sign: f64| curve(&|point| point.predicted_um + sign * u_prediction(point));
         plot.band(0, &edge(-1.0), &edge(1.0));
-        plot.line("l0", &curve(&|point| point.predicted_um));
-        plot.line("l2", &curve(&|point| point.compensated_um));
+        plot.line("l0", curve(&|point| point.predicted_um));
+        plot.line("l2", curve(&|point| point.compensated_um));
     }
     for &(x, point) in &numbered {
         let u = u_reading(point);
-        plot.line(
-            "whisker",
-            &[[x, point.reading_um - u], [x, point.reading_um + u]],
-        );
-        let at = std::iter::once([x, point.reading_um]);
-        match point.direction < 0 {
-            true => plot.crosses("p1 x", at),
-            false => plot.dots("m1", at),
-        }
+        let ends = [[x, point.reading_um - u], [x, point.reading_um + u]];
+        plot.line("whisker", ends);
+        let class = if point.direction < 0 { "p1 x" } else { "m1" };
+        plot.marks(class, [[x, point.reading_um]]);
         let digits = decimals(u.max(u_prediction(point)));
         let text = format!(
             "{axis} = {}{unit}, {}: read {} µm, predicted {}{} µm, {} µm with compensation{}",

@@ -1,6 +1,7 @@
 //! Names of errors and effects in plain words.
 
 use serde_json::{Map, Value};
+use trueaxis_files::told_effect;
 
 use crate::calibration::Machine;
 
@@ -62,44 +63,7 @@ fn principal(axis: &str, machine: &Machine) -> Option<usize> {
 
 /// `backlash of axis C`.
 pub(crate) fn effect(id: &str, subject: &Map<String, Value>) -> String {
-    let name = id.replace('_', " ");
-    let part = |field: &str, before: &str| {
-        let given = subject.get(field).and_then(Value::as_str)?;
-        Some(format!("{before}{given}"))
-    };
-    let of_axis = match subject.get("component").is_some_and(Value::is_string) {
-        true => part("component", ""),
-        false => part("axis", "axis "),
-    };
-    let parts = [
-        part("station", "station "),
-        part("target", "target "),
-        of_axis,
-        part("other_axis", "with axis "),
-        part("carrier", "carrier "),
-        part("column", "with "),
-    ];
-    let parts: Vec<String> = parts.into_iter().flatten().collect();
-    match parts.is_empty() {
-        true => name,
-        false => format!("{name} of {}", parts.join(", ")),
-    }
-}
-
-/// A unit of the files as people write it.
-pub(crate) fn unit(unit: &str) -> &str {
-    match unit {
-        "um" => "µm",
-        "arcsec" => "″",
-        "deg" => "°",
-        "um/m" => "µm/m",
-        "um/m2" => "µm/m²",
-        "um/rad2" => "µm/rad²",
-        "arcsec/rad" => "″/rad",
-        "um/K" => "µm/K",
-        "readings/1000" => "‰ of the time between two readings",
-        other => other,
-    }
+    told_effect(id, |field| subject.get(field).and_then(Value::as_str))
 }
 
 /// The text, cut to `most` letters where it is longer.

@@ -110,8 +110,8 @@ fn browse(browser: &Path, folder: &Path, page: &Path, options: &[&str]) -> (Stri
 fn a_page_in_a_browser() {
     let folder = tempfile::tempdir().unwrap();
     let calibration = results(folder.path());
-    let Report { html, figures } = report(folder.path(), &Default::default()).unwrap();
-    let again = report(folder.path(), &Default::default()).unwrap();
+    let Report { html, figures } = report(folder.path(), None).unwrap();
+    let again = report(folder.path(), None).unwrap();
     assert!(
         again.html == html && again.figures == figures,
         "the same files, the same bytes"

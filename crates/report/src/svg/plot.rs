@@ -27,21 +27,19 @@ pub(crate) struct Plot {
 /// Width of a letter of a title, on average with some reserve.
 const TITLE_LETTER: f64 = 7.6;
 
-/// What stands around a plot.
-pub(crate) struct Frame<'a> {
-    pub(crate) title: &'a str,
-    pub(crate) x_label: &'a str,
-    pub(crate) y_label: &'a str,
-    pub(crate) size: [f64; 2],
-}
-
 impl Plot {
-    pub(crate) fn new(frame: &Frame<'_>, x: Scale, y: Scale) -> Self {
-        let [width, height] = frame.size;
-        let top = TOP + if frame.title.is_empty() { 0.0 } else { TITLE };
-        let described = match frame.title {
-            "" => format!("{} over {}", frame.y_label, frame.x_label),
-            title => format!("{title}: {} over {}", frame.y_label, frame.x_label),
+    /// Of a size, with a title that may be empty, and each axis with its label.
+    pub(crate) fn new(
+        size: [f64; 2],
+        title: &str,
+        (x_label, x): (&str, Scale),
+        (y_label, y): (&str, Scale),
+    ) -> Self {
+        let [width, height] = size;
+        let top = TOP + if title.is_empty() { 0.0 } else { TITLE };
+        let described = match title {
+            "" => format!("{y_label} over {x_label}"),
+            title => format!("{title}: {y_label} over {x_label}"),
         };
         let mut plot = Self {
             drawing: Drawing::new(width, height, described),
@@ -51,14 +49,14 @@ impl Plot {
             bottom: height - BOTTOM,
             top,
         };
-        plot.axes(frame, height);
+        plot.axes(title, x_label, y_label);
         plot
     }
 
-    fn axes(&mut self, frame: &Frame<'_>, height: f64) {
+    fn axes(&mut self, title: &str, x_label: &str, y_label: &str) {
         let (left, right) = (LEFT, self.width - RIGHT);
         let (top, bottom) = (self.top, self.bottom);
-        if !frame.title.is_empty() {
+        if !title.is_empty() {
             // No plot is so narrow that not a letter has room.
             #[expect(
                 clippy::cast_possible_truncation,
@@ -66,7 +64,7 @@ impl Plot {
                 reason = "letters in a width"
             )]
             let most = (self.width / TITLE_LETTER) as usize;
-            let title = shortened(frame.title, most);
+            let title = shortened(title, most);
             self.drawing.text([4.0, 16.0], "t", "start", &title);
         }
         for (value, text) in self.y.ticks.clone() {
@@ -76,25 +74,20 @@ impl Plot {
             } else {
                 "grid"
             };
-            self.drawing
-                .path(class, [[left, y], [right, y]].into_iter());
+            self.drawing.path(class, [[left, y], [right, y]]);
             self.drawing.text([left - 6.0, y + 4.0], "n", "end", &text);
         }
         for (value, text) in self.x.ticks.clone() {
             let x = self.at([value, self.y.low])[0];
-            self.drawing
-                .path("tick", [[x, bottom], [x, bottom + 4.0]].into_iter());
+            self.drawing.path("tick", [[x, bottom], [x, bottom + 4.0]]);
             self.drawing.text([x, bottom + 16.0], "n", "middle", &text);
         }
-        self.drawing.path(
-            "axis",
-            [[left, top], [left, bottom], [right, bottom]].into_iter(),
-        );
-        let middle = 0.5 * (left + right);
         self.drawing
-            .text([middle, height - 6.0], "l", "middle", frame.x_label);
-        self.drawing
-            .text_upwards([13.0, 0.5 * (top + bottom)], frame.y_label);
+            .path("axis", [[left, top], [left, bottom], [right, bottom]]);
+        let below = [0.5 * (left + right), bottom + BOTTOM - 6.0];
+        self.drawing.text(below, "l", "middle", x_label);
+        let beside = [13.0, 0.5 * (top + bottom)];
+        self.drawing.text_upwards(beside, y_label);
     }
 
     /// Where a value is, in the drawing.
@@ -105,7 +98,8 @@ impl Plot {
         ]
     }
 
-    fn inside(&self, points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
+    fn inside(&self, points: impl IntoIterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
+        let points = points.into_iter();
         let finite = points.filter(|[x, y]| x.is_finite() && y.is_finite());
         finite.map(|point| self.at(point)).collect()
     }
@@ -114,26 +108,18 @@ impl Plot {
     pub(crate) fn band(&mut self, colour: usize, low: &[[f64; 2]], high: &[[f64; 2]]) {
         let around = low.iter().chain(high.iter().rev()).copied();
         let points = self.inside(around);
-        self.drawing.path(&format!("b{colour}"), points.into_iter());
+        self.drawing.path(&format!("b{colour}"), points);
     }
 
-    pub(crate) fn line(&mut self, class: &str, points: &[[f64; 2]]) {
-        let points = self.inside(points.iter().copied());
-        self.drawing.path(class, points.into_iter());
-    }
-
-    pub(crate) fn dots(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
+    pub(crate) fn line(&mut self, class: &str, points: impl IntoIterator<Item = [f64; 2]>) {
         let points = self.inside(points);
-        self.drawing.dots(class, points.into_iter());
+        self.drawing.path(class, points);
     }
 
-    /// The dots of one of many series, crosses beyond the sixth.
-    pub(crate) fn series(&mut self, number: usize, points: impl Iterator<Item = [f64; 2]>) {
-        let (class, (_, is_cross)) = (series_class(number), series_mark(number));
-        match is_cross {
-            false => self.dots(&class, points),
-            true => self.crosses(&class, points),
-        }
+    /// Dots, or crosses of a class that ends in ` x`.
+    pub(crate) fn marks(&mut self, class: &str, points: impl IntoIterator<Item = [f64; 2]>) {
+        let points = self.inside(points);
+        self.drawing.marks(class, points);
     }
 
     /// Tells `text` at a value.
@@ -149,11 +135,6 @@ impl Plot {
         self.drawing.add_key(class, words);
     }
 
-    pub(crate) fn crosses(&mut self, class: &str, points: impl Iterator<Item = [f64; 2]>) {
-        let points = self.inside(points);
-        self.drawing.crosses(class, points.into_iter());
-    }
-
     pub(crate) fn finish(self) -> Drawing {
         self.drawing
     }
@@ -162,13 +143,8 @@ impl Plot {
 /// Number of colours that can be told apart.
 pub(crate) const COLOURS: usize = 6;
 
-/// The class of the marks of a series.
-pub(crate) fn series_class(number: usize) -> String {
-    let (colour, is_cross) = series_mark(number);
-    format!("p{colour}{}", if is_cross { " x" } else { "" })
-}
-
-/// The colour of a series, and whether its marks are crosses.
-pub(crate) fn series_mark(number: usize) -> (usize, bool) {
-    (number % COLOURS, number / COLOURS % 2 == 1)
+/// The class of the marks of a series, of which `p` is the letter, or in a legend `i`: crosses beyond the sixth.
+pub(crate) fn series_class(letter: char, number: usize) -> String {
+    let (colour, is_cross) = (number % COLOURS, number / COLOURS % 2 == 1);
+    format!("{letter}{colour}{}", if is_cross { " x" } else { "" })
 }

@@ -18,9 +18,8 @@ impl Scale {
         Self::with_step(low, high, |span| {
             let least = span / most.max(1) as f64;
             let power = 10_f64.powf(least.log10().floor());
-            let steps = DECIMAL.iter().map(|step| step * power);
+            let mut steps = DECIMAL.iter().map(|step| step * power);
             steps
-                .into_iter()
                 .find(|step| *step >= least * (1.0 - 1e-9))
                 .unwrap_or(10.0 * power)
         })
@@ -89,12 +88,17 @@ impl Scale {
     }
 }
 
-/// The least and greatest finite value, with a margin of 6 % on both sides; `[0, 0]` if there is none.
-pub(crate) fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+/// The least and greatest finite value; infinite and the wrong way round if there is none.
+pub(crate) fn bounds(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let finite = values.filter(|x| x.is_finite());
-    let [low, high] = finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+    finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
         [low.min(x), high.max(x)]
-    });
+    })
+}
+
+/// The same with a margin of 6 % on both sides; `[0, 0]` if there is none.
+pub(crate) fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let [low, high] = bounds(values);
     if low > high {
         return [0.0, 0.0];
     }

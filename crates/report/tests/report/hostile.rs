@@ -4,7 +4,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
-use trueaxis_report::{Error, Settings, report};
+use trueaxis_report::{Error, report};
 
 /// A folder of results in which each name and note is made by `name`, and each number is `number`.
 fn write(folder: &Path, name: &dyn Fn(usize) -> String, number: &Value) {
@@ -106,7 +106,7 @@ fn tags(html: &str) -> Vec<String> {
 fn html(name: &dyn Fn(usize) -> String, number: &Value) -> (String, Vec<(String, String)>) {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), name, number);
-    let report = report(folder.path(), &Settings::default()).unwrap();
+    let report = report(folder.path(), None).unwrap();
     (report.html, report.figures)
 }
 
@@ -174,17 +174,17 @@ fn any_number_is_shown() {
     let folder = tempfile::tempdir().unwrap();
     let empty = r#"{ "format": "trueaxis-calibration", "version": 1 }"#;
     std::fs::write(folder.path().join("calibration.json"), empty).unwrap();
-    report(folder.path(), &Settings::default()).unwrap();
+    report(folder.path(), None).unwrap();
     let empty = r#"{ "format": "trueaxis-diagnosis", "version": 1, "causes": [ { "effect": "", "fitted": {} } ], "levels": [ {} ],
         "disturbances": [ {} ], "not_observable": [ {} ] }"#;
     std::fs::write(folder.path().join("diagnosis.json"), empty).unwrap();
-    report(folder.path(), &Settings::default()).unwrap();
+    report(folder.path(), None).unwrap();
 }
 
 #[test]
 fn what_is_no_result_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
-    let refused = || report(folder.path(), &Settings::default()).unwrap_err();
+    let refused = || report(folder.path(), None).unwrap_err();
     assert!(matches!(refused(), Error::NothingToReport { .. }));
     let file = folder.path().join("calibration.json");
     std::fs::write(&file, "{").unwrap();
@@ -207,10 +207,7 @@ fn what_is_no_result_is_refused_by_name() {
 fn a_template_of_ones_own() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), &|k| format!("n{k}"), &json!(2));
-    let of = |template: &str| {
-        let template = Some(template.to_owned());
-        report(folder.path(), &Settings { template })
-    };
+    let of = |template: &str| report(folder.path(), Some(template));
     let page =
         of("{{ campaign }} {{ calibration.adjustment.sigma0 }} {{ no.such.thing }}").unwrap();
     assert_eq!(page.html, "n0 2 ");

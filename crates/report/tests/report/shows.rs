@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use serde_json::{Value, json};
-use trueaxis_report::{Settings, report};
+use trueaxis_report::report;
 
 /// A machine with X and Y, squareness, and one curve that is 4 µm at most.
 fn calibration() -> Value {
@@ -45,7 +45,7 @@ fn page(folder: &Path, files: &[(&str, &Value)]) -> String {
     for (name, value) in files {
         std::fs::write(folder.join(name), value.to_string()).unwrap();
     }
-    report(folder, &Settings::default()).unwrap().html
+    report(folder, None).unwrap().html
 }
 
 #[track_caller]

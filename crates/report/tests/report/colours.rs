@@ -2,8 +2,8 @@
 
 use std::array::from_fn;
 
-const FIGURE: &str = include_str!("../figure.css");
-const PAGE: &str = include_str!("../report.html");
+const FIGURE: &str = include_str!("../../src/figure.css");
+const PAGE: &str = include_str!("../../src/report.html");
 
 /// Red, green and blue, linear.
 type Rgb = [f64; 3];
