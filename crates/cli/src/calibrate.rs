@@ -90,16 +90,13 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
         },
     )?;
 
-    // They would be taken for this calibration's own.
     let matrices = [
         OutputCovariance::MATRIX_FILE,
         COVARIANCE_INDEX,
         LengthsReliability::MATRIX_FILE,
         RELIABILITY_INDEX,
     ];
-    let earlier = matrices.map(|name| results.of_an_earlier_run(name));
-    let earlier = earlier.iter().flatten();
-    notices.extend(earlier.map(|path| format!("{} is of an earlier calibration", path.display())));
+    notices.extend(results.of_an_earlier_run(&matrices, "is of an earlier calibration"));
 
     say_all(lines.iter().chain(&checked));
     notice_all(&notices);

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use trueaxis_files::{round, without_nulls};
+use trueaxis_files::{round, told_behind, without_nulls};
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
 use trueaxis_predict::{CalibratedMachine, Difference, check_same_machine, position_in_file};
 
@@ -46,9 +46,10 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
         ));
     }
     for (axis, kind, [a, b]) in first.other_travels(&second) {
-        let travel = |[from, to]: [f64; 2]| match kind {
-            AxisKind::Linear => format!("{from:.0} … {to:.0} mm"),
-            AxisKind::Rotary => format!("{:.0} … {:.0}°", from.to_degrees(), to.to_degrees()),
+        let unit = told_behind(kind.position_unit(), ' ');
+        let travel = |ends: [f64; 2]| {
+            let [from, to] = ends.map(|q| kind.position_in_file(q));
+            format!("{from:.0} … {to:.0}{unit}")
         };
         notice(&format!(
             "{axis} was measured over {} first, over {} then: average lines and axes are those of the travel, so \
@@ -70,14 +71,8 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
 
 /// A position with its unit.
 fn place(kind: AxisKind, position: f64) -> String {
-    let unit = match kind {
-        AxisKind::Linear => " mm",
-        AxisKind::Rotary => "°",
-    };
-    format!(
-        "{}{unit}",
-        round(position_in_file(kind, position), DECIMALS)
-    )
+    let rounded = round(position_in_file(kind, position), DECIMALS);
+    format!("{rounded}{}", told_behind(kind.position_unit(), ' '))
 }
 
 /// What the differences of an axis refer to of which home was not a step in both calibrations.

@@ -65,10 +65,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
     if !args.no_report {
         results.report()?;
     }
-    // They would be taken for this diagnosis' own.
-    let earlier = [EFFECTS, REPLAY].map(|name| results.of_an_earlier_run(name));
-    let earlier = earlier.iter().flatten();
-    notices.extend(earlier.map(|path| format!("{} is of an earlier diagnosis", path.display())));
+    notices.extend(results.of_an_earlier_run(&[EFFECTS, REPLAY], "is of an earlier diagnosis"));
 
     say_all(story::lines(&diagnosis));
     notice_all(&notices);

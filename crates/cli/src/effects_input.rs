@@ -75,32 +75,27 @@ pub(crate) fn read(path: &Path, scene: &Scene, campaign: &str) -> anyhow::Result
     let exact = file.covariance.is_none() && !with_uncertainties(&mut file, scene);
     let resolved = file.resolve(scene).map_err(|error| placed(error, path))?;
     let mut notices = Vec::new();
+    let mut notice = |text: &str| notices.push(format!("{}: {text}", path.display()));
     if !in_part.is_empty() {
-        notices.push(format!(
-            "{}: {} is seen in part only and stays in: the data do not say what it changes in the calibration",
-            path.display(),
+        notice(&format!(
+            "{} is seen in part only and stays in: the data do not say what it changes in the calibration",
             in_part.join("; ")
         ));
     }
     if file.campaign != campaign {
-        notices.push(format!(
-            "{}: the effects were found in another campaign, `{}`",
-            path.display(),
-            file.campaign
+        let other = &file.campaign;
+        notice(&format!(
+            "the effects were found in another campaign, `{other}`"
         ));
     }
     let is_kept = |effect: &GivenEffect| LOST_MOTION.contains(&effect.effect.as_str());
     if file.effects.iter().any(is_kept) {
-        notices.push(format!(
-            "{}: lost motion is taken out, but the machine keeps it: for what it does in use calibrate without it, --by-direction",
-            path.display()
-        ));
+        notice(
+            "lost motion is taken out, but the machine keeps it: for what it does in use calibrate without it, --by-direction",
+        );
     }
     if exact {
-        notices.push(format!(
-            "{}: the effects have no uncertainties and are taken as exact",
-            path.display()
-        ));
+        notice("the effects have no uncertainties and are taken as exact");
     }
     Ok(Effects { resolved, notices })
 }

@@ -144,12 +144,9 @@ fn old_tables(
     if !given.is_empty() && !not_given.is_empty() {
         said.push_str(&format!("; not given: {}", not_given.join(", ")));
     }
-    let without_end = old.iter().filter(|file| !file.text.ends_with('\n'));
-    for file in without_end {
+    for file in old.iter().filter(|file| !file.text.ends_with('\n')) {
         let name = &file.name;
-        said.push_str(&format!(
-            "; the last line of {name} has no end: the file may be cut off"
-        ));
+        said += &format!("; the last line of {name} has no end: the file may be cut off");
     }
     if !others.is_empty() {
         said.push_str(&format!("; not read: {}", others.join(", ")));

@@ -14,7 +14,7 @@ use trueaxis_predict::{Output, Unit};
 use crate::args::MontecarloArgs;
 use crate::exit::Exit;
 use crate::montecarlo_file::{self, Compared};
-use crate::summary::in_words;
+use crate::summary::{first_ones, in_words};
 use crate::talk::{notice, notice_all, say_all};
 use crate::traceability::traced;
 use crate::{progress, summary};
@@ -25,9 +25,6 @@ const MOST_TRIALS: usize = 1_000_000;
 
 /// Significant digits of u to which the first-order result is compared.
 const DIGITS: u32 = 1;
-
-/// Differences listed before the rest is only counted.
-const MOST_LISTED: usize = 5;
 
 pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
     let mut campaign = read(&args.campaign)?;
@@ -153,15 +150,11 @@ fn lines(propagation: &Propagation, compared: &[Compared<'_>]) -> Vec<String> {
         counted(compared.len(), "result")
     )];
     if let Some(stability) = &propagation.stability {
-        let open = stability
-            .outputs
-            .iter()
-            .filter(|o| !o.is_stabilised())
-            .count();
-        lines.push(match open {
+        let open = stability.outputs.iter().filter(|o| !o.is_stabilised());
+        lines.push(match open.count() {
             0 => "all results have settled to the digits asked for".to_owned(),
             1 => "1 result has not settled to the digits asked for: allow more --trials".to_owned(),
-            _ => format!(
+            open => format!(
                 "{open} results have not settled to the digits asked for: allow more --trials"
             ),
         });
@@ -222,35 +215,27 @@ fn verdict(compared: &[Compared<'_>], trials: usize) -> Vec<String> {
             in_words(&worst.result.output),
         ));
     }
-    let count = |outcome: Outcome| {
-        let same = compared
-            .iter()
-            .filter(|one| one.validation.outcome == outcome);
-        same.count()
+    let of = |outcome: Outcome| -> Vec<&Compared<'_>> {
+        let all = compared.iter();
+        all.filter(|one| one.validation.outcome == outcome)
+            .collect()
     };
     lines.push(format!(
         "first-order 95 % intervals (JCGM 101, clause 8): {} validated, {} not decided by so few trials, \
          {} not validated",
-        count(Outcome::Validated),
-        count(Outcome::Undecided),
-        count(Outcome::NotValidated)
+        of(Outcome::Validated).len(),
+        of(Outcome::Undecided).len(),
+        of(Outcome::NotValidated).len()
     ));
-    let failed: Vec<&Compared<'_>> = compared
-        .iter()
-        .filter(|one| one.validation.outcome == Outcome::NotValidated)
-        .collect();
-    for one in failed.iter().take(MOST_LISTED) {
-        lines.push(format!(
+    lines.extend(first_ones(&of(Outcome::NotValidated), "", |one| {
+        format!(
             "  {}: ends off by {:.3} and {:.3}, tolerance {:.3} {}",
             in_words(&one.result.output),
             one.validation.d_low,
             one.validation.d_high,
             one.validation.tolerance,
             one.result.output.unit().suffix()
-        ));
-    }
-    if failed.len() > MOST_LISTED {
-        lines.push(format!("  and {} more", failed.len() - MOST_LISTED));
-    }
+        )
+    }));
     lines
 }

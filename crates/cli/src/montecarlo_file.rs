@@ -42,22 +42,13 @@ fn entry(one: &Compared<'_>) -> serde_json::Result<Value> {
     let found = &one.monte_carlo;
     let rounded = |x: f64| round(x, 9);
     let mut entry = serde_json::to_value(&one.result.output)?;
-    for (field, value) in [
-        ("value", json!(rounded(one.first_order.value))),
-        ("u_first_order", json!(rounded(one.first_order.u))),
-        ("mean", json!(rounded(found.mean))),
-        ("u", json!(rounded(found.u))),
-        ("u_standard_error", json!(rounded(found.scatter.u))),
-        (
-            "symmetric",
-            json!([found.symmetric.low, found.symmetric.high].map(rounded)),
-        ),
-        (
-            "shortest",
-            json!([found.shortest.low, found.shortest.high].map(rounded)),
-        ),
-    ] {
-        entry[field] = value;
+    entry["value"] = json!(rounded(one.first_order.value));
+    entry["u_first_order"] = json!(rounded(one.first_order.u));
+    entry["mean"] = json!(rounded(found.mean));
+    entry["u"] = json!(rounded(found.u));
+    entry["u_standard_error"] = json!(rounded(found.scatter.u));
+    for (field, interval) in [("symmetric", found.symmetric), ("shortest", found.shortest)] {
+        entry[field] = json!([interval.low, interval.high].map(rounded));
     }
     entry["first_order_interval"] = json!(match one.validation.outcome {
         Outcome::Validated => "validated",

@@ -99,10 +99,13 @@ impl Results {
         Ok(())
     }
 
-    /// The path of a file that is there, but from an earlier run.
-    pub(crate) fn of_an_earlier_run(&self, name: &str) -> Option<PathBuf> {
-        let path = self.folder.join(name);
-        (!self.written.contains(&path) && path.exists()).then_some(path)
+    /// Notices of the files that are there, but of an earlier run: they would be taken for those of this one.
+    pub(crate) fn of_an_earlier_run(&self, names: &[&str], says: &str) -> Vec<String> {
+        let paths = names.iter().map(|name| self.folder.join(name));
+        let earlier = paths.filter(|path| !self.written.contains(path) && path.exists());
+        earlier
+            .map(|path| format!("{} {says}", path.display()))
+            .collect()
     }
 
     /// Says what was written and, for programs that ask for it, prints the result.

@@ -4,10 +4,11 @@ use serde_json::json;
 use trueaxis_campaign::read_positions;
 use trueaxis_files::{counted, point_mm};
 use trueaxis_kinematics::{ARCSEC, MICROMETRE};
-use trueaxis_predict::{CalibratedMachine, Prediction, coverage_factor, to_csv};
+use trueaxis_predict::{CalibratedMachine, Prediction, to_csv};
 
 use crate::args::PredictArgs;
 use crate::exit::Exit;
+use crate::summary::expanded;
 use crate::talk::{notice, say_all};
 
 pub(crate) fn run(args: &PredictArgs) -> anyhow::Result<Exit> {
@@ -84,17 +85,12 @@ pub(crate) fn source(machine: &CalibratedMachine) -> Vec<String> {
     lines
 }
 
-/// The coverage factor of the table.
-pub(crate) fn expansion(machine: &CalibratedMachine) -> f64 {
-    coverage_factor(machine.dof).max(2.0)
-}
-
 fn summary(
     machine: &CalibratedMachine,
     predictions: &[Prediction],
     lines: &[usize],
 ) -> Vec<String> {
-    let k = expansion(machine);
+    let k = expanded(1.0, machine.dof);
     let largest = |what: &str, first: usize, unit: f64, symbol: &str| {
         let size = |p: &Prediction| p.error.to_vector().fixed_rows::<3>(first).norm();
         let numbered = predictions.iter().zip(lines);

@@ -10,7 +10,7 @@ use trueaxis_calibrate::{
     RelativeLocation,
 };
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_files::{counted, point_mm, round};
+use trueaxis_files::{counted, point_mm, round, told_behind};
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 use trueaxis_predict::{Output, coverage_factor};
 
@@ -20,10 +20,10 @@ use crate::summary::paper_signs::with_paper_signs;
 use crate::summary::reversal::reversal_values;
 
 /// Coverage factor of the uncertainties that people read, if many degrees of freedom stand behind them.
-const COVERAGE: f64 = 2.0;
+pub(crate) const COVERAGE: f64 = 2.0;
 
 /// Half width of the 95 % interval that people read: Student's factor where that is more than [`COVERAGE`].
-fn expanded(u: f64, dof: f64) -> f64 {
+pub(crate) fn expanded(u: f64, dof: f64) -> f64 {
     u * coverage_factor(dof).max(COVERAGE)
 }
 
@@ -69,12 +69,8 @@ pub(crate) fn reliability(
     found: &LengthsReliability,
     results: &[NumberedResult],
 ) -> Vec<String> {
-    let mut detectable: Vec<f64> = found
-        .lengths
-        .iter()
-        .map(|length| length.minimal_detectable_mm)
-        .filter(|mm| mm.is_finite())
-        .collect();
+    let detectable = found.lengths.iter().map(|of| of.minimal_detectable_mm);
+    let mut detectable: Vec<f64> = detectable.filter(|mm| mm.is_finite()).collect();
     detectable.sort_by(f64::total_cmp);
     let unchecked = found.lengths.len() - detectable.len();
     let mut lines = vec![String::new()];
@@ -109,42 +105,41 @@ fn location_errors(calibration: &Calibration) -> Vec<String> {
         String::new(),
         format!("{:<24}{:>12}{:>12}", "location errors", "value", "U"),
     ];
+    let row = |name: &str, value: f64, expanded: f64, is_angular: bool| {
+        let (unit, scale) = unit(is_angular);
+        let (value, expanded) = (value / scale, expanded / scale);
+        format!("  {name:<22}{value:>9.2} {unit}{expanded:>9.2} {unit}")
+    };
     for axis in &calibration.axes {
         for location in &axis.location_errors {
-            let (unit, scale) = unit(location.component.is_angular());
+            let is_angular = location.component.is_angular();
             let name = location.component.name(&axis.name);
             if location.u < f64::MIN_POSITIVE && location.value.abs() < f64::MIN_POSITIVE {
+                let (unit, _) = unit(is_angular);
                 lines.push(format!(
-                    "  {name:<22}{:>9} {unit}   by definition of the frame",
-                    0
+                    "  {name:<22}        0 {unit}   by definition of the frame"
                 ));
                 continue;
             }
-            lines.push(format!(
-                "  {name:<22}{:>9.2} {unit}{:>9.2} {unit}{}",
-                location.value / scale,
-                expanded(location.u, location.dof) / scale,
-                match location.relative_to_targets {
-                    true => "  relative to the nests of the targets",
-                    false => "",
-                }
-            ));
+            let expanded = expanded(location.u, location.dof);
+            let note = match location.relative_to_targets {
+                true => "  relative to the nests of the targets",
+                false => "",
+            };
+            lines.push(row(&name, location.value, expanded, is_angular) + note);
         }
     }
     for relative in &calibration.relative_locations {
         let RelativeLocation { axis, to, .. } = relative;
         let along = direction_in_words(&relative.direction);
         let quantities = [
-            ("offset along", &relative.offset, unit(false)),
-            ("angle about", &relative.angle, unit(true)),
+            ("offset along", &relative.offset, false),
+            ("angle about", &relative.angle, true),
         ];
-        for (what, found, (unit, scale)) in quantities {
-            lines.push(format!(
-                "  {:<22}{:>9.2} {unit}{:>9.2} {unit}",
-                format!("{axis} to {to}, {what} {along}"),
-                found.value / scale,
-                expanded(found.u, found.dof) / scale
-            ));
+        for (what, found, is_angular) in quantities {
+            let name = format!("{axis} to {to}, {what} {along}");
+            let expanded = expanded(found.u, found.dof);
+            lines.push(row(&name, found.value, expanded, is_angular));
         }
     }
     for line in &mut lines {
@@ -198,13 +193,13 @@ fn component_errors(calibration: &Calibration) -> Vec<String> {
             let expanded = axis.nodes.iter().map(|n| expanded(n.u[c], n.dof[c]));
             let expanded = expanded.fold(0.0, f64::max);
             // The gauge takes all of it, as of the straightness of two positions.
-            if expanded < f64::MIN_POSITIVE && value < f64::MIN_POSITIVE {
-                values.push_str(&format!(" {:>7}", "–"));
-                uncertainties.push_str(&format!(" {:>7}", "–"));
-                continue;
+            let is_taken = expanded < f64::MIN_POSITIVE && value < f64::MIN_POSITIVE;
+            for (line, x) in [(&mut values, value), (&mut uncertainties, expanded)] {
+                line.push_str(&match is_taken {
+                    true => format!(" {:>7}", "–"),
+                    false => format!(" {:>7.2}", x / scale),
+                });
             }
-            values.push_str(&format!(" {:>7.2}", value / scale));
-            uncertainties.push_str(&format!(" {:>7.2}", expanded / scale));
         }
         lines.extend([values, uncertainties]);
     }
@@ -243,10 +238,7 @@ fn range(axis: &AxisResult) -> String {
             .trim_end_matches('.')
             .to_owned(),
     };
-    let unit = match axis.kind {
-        AxisKind::Linear => " mm",
-        AxisKind::Rotary => "°",
-    };
+    let unit = told_behind(axis.kind.position_unit(), ' ');
     match (axis.nodes.first(), axis.nodes.last()) {
         (Some(first), Some(last)) => {
             format!(
@@ -267,8 +259,10 @@ fn noise_gains(calibration: &Calibration) -> Vec<String> {
             .to_owned(),
     ];
     for axis in &calibration.axes {
-        let ratios = axis.noise_gain.map(|[used, nine]| ratios(&used, &nine));
-        lines.extend(ratios.map(|ratios| table_row(&axis.name, &ratios)));
+        lines.extend(axis.noise_gain.map(|[used, nine]| {
+            let ratios = std::array::from_fn(|c| used[c] / nine[c]);
+            table_row(&axis.name, &ratios)
+        }));
     }
     lines
 }
@@ -290,10 +284,6 @@ fn method_losses(calibration: &Calibration) -> Vec<String> {
         lines.splice(0..0, [String::new(), title.to_owned()]);
     }
     lines
-}
-
-fn ratios(a: &[f64; 6], b: &[f64; 6]) -> [f64; 6] {
-    std::array::from_fn(|c| a[c] / b[c])
 }
 
 fn table_row(name: &str, values: &[f64; 6]) -> String {
@@ -326,22 +316,30 @@ fn misfits(calibration: &Calibration) -> Vec<String> {
     if !calibration.misfits.is_empty() {
         lines.push(String::new());
         lines.push("points that do not move as a rigid triangle:".to_owned());
-        for misfit in calibration.misfits.iter().take(MOST_LISTED) {
-            lines.push(format!(
+        lines.extend(first_ones(&calibration.misfits, "", |misfit| {
+            format!(
                 "  {}: rms {:.2} µm, chi-squared {:.1} with {} of freedom ({})",
                 misfit.step,
                 misfit.rms_um,
                 misfit.chi_squared,
                 counted(misfit.degrees_of_freedom, "degree"),
                 probability(misfit.p_value)
-            ));
-        }
-        if calibration.misfits.len() > MOST_LISTED {
-            lines.push(format!(
-                "  and {} more",
-                calibration.misfits.len() - MOST_LISTED
-            ));
-        }
+            )
+        }));
+    }
+    lines
+}
+
+/// A line for each of the first ones; the rest is counted, and `elsewhere` says where it is.
+pub(crate) fn first_ones<T>(
+    all: &[T],
+    elsewhere: &str,
+    line: impl Fn(&T) -> String,
+) -> Vec<String> {
+    let mut lines: Vec<String> = all.iter().take(MOST_LISTED).map(line).collect();
+    if all.len() > MOST_LISTED {
+        let more = all.len() - MOST_LISTED;
+        lines.push(format!("  and {more} more{elsewhere}"));
     }
     lines
 }

@@ -78,19 +78,17 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
         entry.name,
         counted(readings, "reading")
     )];
-    let range = |of: fn(&Point) -> f64| range(entry.points.iter().map(of));
+    let columns: [fn(&Point) -> f64; 3] =
+        [|p| p.reading_um, |p| p.predicted_um, |p| p.compensated_um];
+    let [read, without, with] = columns.map(|of| range(entry.points.iter().map(of)));
     let u = entry.points.iter().map(|point| point.u_prediction_um);
     let u = match u.clone().any(f64::is_nan) {
         true => "u of the predictions is not known".to_owned(),
         false => format!("largest u of a prediction {:.2}", u.fold(0.0, f64::max)),
     };
     lines.push(format!(
-        "  range, µm            read {:.2}; predicted {:.2}, with compensation {:.2}; {u}",
-        range(|p| p.reading_um),
-        range(|p| p.predicted_um),
-        range(|p| p.compensated_um),
+        "  range, µm            read {read:.2}; predicted {without:.2}, with compensation {with:.2}; {u}"
     ));
-    let [without, with] = [range(|p| p.predicted_um), range(|p| p.compensated_um)];
     // More than the last digit shows.
     if with > without + 0.005 {
         lines.push(

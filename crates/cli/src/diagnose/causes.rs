@@ -31,21 +31,19 @@ pub(crate) fn of_misfit(
         false => ", or another",
     };
     let mut lines = vec![format!("cause{rank}: {name}{or_another}")];
-    lines.extend(labelled("seen in", &cause.data.join(", ")));
-    lines.extend(labelled("what", explanation.cause));
+    let mut tell = |label: &str, text: &str| lines.extend(labelled(label, text));
+    tell("seen in", &cause.data.join(", "));
+    tell("what", explanation.cause);
     let mut size = in_words::parameters(&cause.told_parameters());
     if let Some(share) = cause.share {
         size += &format!("; {} of the misfit, in squares", in_words::percent(share));
     }
-    lines.extend(labelled("size", &size));
-    lines.extend(
-        in_words::curve(&cause.curve)
-            .map(|curve| labelled("along it", &curve))
-            .into_iter()
-            .flatten(),
-    );
+    tell("size", &size);
+    if let Some(curve) = in_words::curve(&cause.curve) {
+        tell("along it", &curve);
+    }
     if let Some(note) = cause.note() {
-        lines.extend(labelled("in each", &note));
+        tell("in each", &note);
     }
     if let Some(follows) = cause.follows(scene) {
         let where_it_is = if follows.is_plausible {
@@ -59,20 +57,17 @@ pub(crate) fn of_misfit(
             follows.column,
             in_words::unit(follows.unit)
         );
-        lines.extend(labelled("goes with", &text));
+        tell("goes with", &text);
     }
-    lines.extend(labelled("certainty", &in_words::certainty(cause.p_value)));
-    lines.extend(labelled("or else", &rivals(cause, scene)));
+    tell("certainty", &in_words::certainty(cause.p_value));
+    tell("or else", &rivals(cause, scene));
     if is_clear_but_for_its_form(cause) {
-        lines.extend(labelled("to separate", MORE_OF_BOTH_SIDES));
+        tell("to separate", MORE_OF_BOTH_SIDES);
     } else if !cause.rivals.is_empty() {
-        lines.extend(labelled("to separate", explanation.separate_by));
+        tell("to separate", explanation.separate_by);
     }
-    lines.extend(labelled(
-        "calibration",
-        &changes(cause, with_changes, several),
-    ));
-    lines.extend(labelled("to do", explanation.action));
+    tell("calibration", &changes(cause, with_changes, several));
+    tell("to do", explanation.action);
     lines
 }
 
@@ -125,26 +120,23 @@ fn names_of_rivals(cause: &Cause, scene: &Scene) -> String {
 fn changes(cause: &Cause, with_changes: bool, several: bool) -> String {
     let consequence = cause.explanation().consequence;
     let mut changes: Vec<&Change> = cause.changes.iter().collect();
-    if with_changes && !changes.is_empty() && changes.iter().all(|c| size_um(c) < WORTH_A_WORD_UM) {
+    if changes.is_empty() || !with_changes {
+        return consequence.to_owned();
+    }
+    if changes.iter().all(|c| size_um(c) < WORTH_A_WORD_UM) {
         return format!(
             "hardly changes (by less than {WORTH_A_WORD_UM} µm); left in: {consequence}"
         );
     }
     changes.sort_by(|a, b| size_um(b).total_cmp(&size_um(a)));
-    if changes.is_empty() || !with_changes {
-        return consequence.to_owned();
-    }
-    let listed: Vec<String> = changes
-        .iter()
-        .take(MOST_CHANGES)
-        .map(|change| {
-            let (largest, unit) = match change.unit {
-                "mm" => (change.largest * 1e3, "um"),
-                unit => (change.largest, unit),
-            };
-            format!("{} {largest:.2}{}", change.name, in_words::unit(unit))
-        })
-        .collect();
+    let listed = changes.iter().take(MOST_CHANGES).map(|change| {
+        let (largest, unit) = match change.unit {
+            "mm" => (change.largest * 1e3, "um"),
+            unit => (change.largest, unit),
+        };
+        format!("{} {largest:.2}{}", change.name, in_words::unit(unit))
+    });
+    let listed: Vec<String> = listed.collect();
     format!(
         "taking {} out changes the results by at most {}; left in: {consequence}",
         if several { "all causes" } else { "it" },

@@ -1,52 +1,27 @@
 //! Numbers and names of a diagnosis in the words of the terminal.
 
 use trueaxis_diagnose::{CurvePoint, EstimatedParameter};
-use trueaxis_effects::{GivenSubject, ResolvedEffect, Scene};
-use trueaxis_files::{told_places, told_span, told_unit};
+use trueaxis_effects::{ResolvedEffect, Scene};
+use trueaxis_files::{told_behind, told_effect, told_places, told_span, told_unit};
 
-/// Coverage factor of the uncertainties that people read.
-const COVERAGE: f64 = 2.0;
+use crate::summary::COVERAGE;
 
 /// `machine shift`, `dead path jump of station S2`.
 pub(crate) fn effect(effect: &ResolvedEffect, scene: &Scene) -> String {
-    let name = effect.effect.id.replace('_', " ");
-    match subject(&effect.to_given(scene).subject) {
-        Some(subject) => format!("{name} of {subject}"),
-        None => name,
-    }
-}
-
-fn subject(subject: &GivenSubject) -> Option<String> {
-    let named = |what: &str, name: &Option<String>| name.as_ref().map(|n| format!("{what}{n}"));
-    // A component names its axis.
-    let axis = match &subject.component {
-        Some(_) => None,
-        None => named("axis ", &subject.axis),
-    };
-    let parts = [
-        named("station ", &subject.station),
-        named("target ", &subject.target),
-        named("", &subject.component),
-        axis,
-        named("with axis ", &subject.other_axis),
-        named("carrier ", &subject.carrier),
-        named("with ", &subject.column),
-    ];
-    let parts: Vec<String> = parts.into_iter().flatten().collect();
-    (!parts.is_empty()).then(|| parts.join(", "))
+    let given = effect.to_given(scene);
+    let subject = serde_json::to_value(given.subject).unwrap_or_default();
+    told_effect(&given.effect, |field| subject[field].as_str())
 }
 
 /// Values with expanded uncertainties, vectors together: `shift x +3.10 ± 0.40, y … µm; at 5210 ± 8 s`.
 pub(crate) fn parameters(parameters: &[EstimatedParameter]) -> String {
     let parameters: Vec<EstimatedParameter> = parameters.iter().map(as_told).collect();
     let mut parts: Vec<String> = Vec::new();
-    let mut k = 0;
-    while k < parameters.len() {
-        let count = vector_at(&parameters[k..]);
-        let group = &parameters[k..k + count];
-        k += count;
-        let first = &group[0];
-        if count == 3 {
+    let mut rest = parameters.as_slice();
+    while let Some(first) = rest.first() {
+        let (group, others) = rest.split_at(vector_at(rest));
+        rest = others;
+        if group.len() == 3 {
             let stem = first.name.trim_end_matches("_x").replace('_', " ");
             let along = group.iter().zip(["x", "y", "z"]);
             let values: Vec<String> = along
@@ -160,28 +135,9 @@ fn decimals(expanded: f64) -> usize {
     }
 }
 
-/// A unit of the files as people write it.
-pub(crate) fn unit(unit: &str) -> &'static str {
-    match unit {
-        "um" => " µm",
-        "arcsec" => "″",
-        "mm" => " mm",
-        "s" => " s",
-        "days" => " days",
-        "years" => " years",
-        "ms" => " ms",
-        "readings" => " readings",
-        "readings/1000" => " ‰ of the time between two readings",
-        "ppm" => " ppm",
-        "deg" => "°",
-        "um/m" => " µm/m",
-        "um/m2" => " µm/m²",
-        "um/rad2" => " µm/rad²",
-        "arcsec/rad" => " ″/rad",
-        "um/K" => " µm/K",
-        "ppm/K" => " ppm/K",
-        _ => "",
-    }
+/// A unit as it stands behind a value.
+pub(crate) fn unit(unit: &str) -> String {
+    told_behind(unit, ' ')
 }
 
 /// A duration, or a length over which something is smooth, with its unit.

@@ -18,15 +18,7 @@ pub(crate) fn lines(diagnosis: &Diagnosis) -> Vec<String> {
     for level in &diagnosis.levels {
         lines.extend(off(level));
     }
-    let of_level = |level: Level| {
-        let causes = diagnosis.causes.iter();
-        causes.filter(move |cause| cause.level == level)
-    };
-    let misfits: Vec<&Cause> = diagnosis
-        .causes
-        .iter()
-        .filter(|cause| cause.level != Level::Components)
-        .collect();
+    let misfits: Vec<&Cause> = of_misfit(diagnosis).collect();
     for (k, cause) in misfits.iter().enumerate() {
         lines.push(String::new());
         let rank = (misfits.len() > 1).then_some(k + 1);
@@ -48,14 +40,25 @@ pub(crate) fn lines(diagnosis: &Diagnosis) -> Vec<String> {
         let unexplained = level.unexplained.iter();
         lines.extend(unexplained.flat_map(|left| self::left(left, level)));
     }
-    if of_level(Level::Components).next().is_some() {
+    let of_curves = diagnosis.causes.iter().filter(|cause| !is_of_misfit(cause));
+    let of_curves = of_curves.map(|cause| causes::of_curve(cause, &diagnosis.scene));
+    let of_curves: Vec<String> = of_curves.collect();
+    if !of_curves.is_empty() {
         lines.push(String::new());
         lines.push("what the error curves consist of (no fault of the model):".to_owned());
-        let curves = of_level(Level::Components);
-        lines.extend(curves.map(|cause| causes::of_curve(cause, &diagnosis.scene)));
+        lines.extend(of_curves);
     }
     lines.extend(not_observable(diagnosis));
     lines
+}
+
+/// Whether it contradicts the model: the form of an error curve does not.
+fn is_of_misfit(cause: &&Cause) -> bool {
+    cause.level != Level::Components
+}
+
+fn of_misfit(diagnosis: &Diagnosis) -> impl Iterator<Item = &Cause> {
+    diagnosis.causes.iter().filter(is_of_misfit)
 }
 
 /// What no cause explains of a level.
@@ -154,11 +157,7 @@ fn to_do(varies_with: &[&str]) -> &'static str {
 }
 
 fn verdict(diagnosis: &Diagnosis) -> String {
-    let count = diagnosis
-        .causes
-        .iter()
-        .filter(|cause| cause.level != Level::Components)
-        .count();
+    let count = of_misfit(diagnosis).count();
     let is_left = diagnosis.levels.iter().any(|l| l.unexplained.is_some());
     let of_causes = diagnosis.causes.iter().filter_map(|cause| cause.share);
     let largest = of_causes.fold(0.0, f64::max);
@@ -176,7 +175,7 @@ fn verdict(diagnosis: &Diagnosis) -> String {
             format!("the data contradict the model, for {count} causes{more}")
         }
         Verdict::Named => format!("the data contradict the model, and the cause is clear{more}"),
-        Verdict::Ambiguous if are_clear_but_for_their_form(diagnosis) => {
+        Verdict::Ambiguous if of_misfit(diagnosis).all(causes::is_clear_but_for_its_form) => {
             format!("the data contradict the model, and the cause is clear but for its form{more}")
         }
         Verdict::Ambiguous => {
@@ -186,12 +185,6 @@ fn verdict(diagnosis: &Diagnosis) -> String {
             "the data contradict the model, and no known cause explains it".to_owned()
         }
     }
-}
-
-fn are_clear_but_for_their_form(diagnosis: &Diagnosis) -> bool {
-    let causes = diagnosis.causes.iter();
-    let mut of_misfit = causes.filter(|cause| cause.level != Level::Components);
-    of_misfit.all(causes::is_clear_but_for_its_form)
 }
 
 /// How far the prediction is off, and where.

@@ -13,7 +13,7 @@ use crate::exit::Exit;
 use crate::export::in_folder;
 use crate::given_file::{Unreadable, read_text};
 use crate::output::Results;
-use crate::talk::{notice, notice_all, say};
+use crate::talk::{notice_all, say};
 
 #[derive(Debug, ClapArgs)]
 pub(crate) struct ImportCalibrationArgs {
@@ -84,12 +84,9 @@ pub(crate) fn run(args: &ImportCalibrationArgs) -> anyhow::Result<Exit> {
         results.write_by(FactoredCovariance::FILE, |out| {
             covariance.write_npz(out, &as_they_are)
         })?;
-    } else if let Some(path) = results.of_an_earlier_run(FactoredCovariance::FILE) {
-        let path = path.display();
-        notice(&format!(
-            "{path} is of another calibration and is not looked at"
-        ));
     }
+    let says = "is of another calibration and is not looked at";
+    notice_all(results.of_an_earlier_run(&[FactoredCovariance::FILE], says));
     results.end(args.json.then_some(&text))?;
     Ok(Exit::Good)
 }

@@ -5,7 +5,7 @@ use trueaxis_kinematics::MICROMETRE;
 use trueaxis_poses::{NoiseReport, PartReport, ScaleBasis};
 use trueaxis_predict::coverage_factor;
 
-use crate::summary::{COVERAGE, MOST_LISTED, named, probability};
+use crate::summary::{COVERAGE, MOST_LISTED, first_ones, named, probability};
 
 /// How the measurement was adjusted, and with which noise.
 pub(crate) fn adjustment(calibration: &Calibration) -> Vec<String> {
@@ -67,8 +67,9 @@ pub(crate) fn adjustment(calibration: &Calibration) -> Vec<String> {
             a.rejected.len(),
             a.rejected.len() + a.observations
         ));
-        for rejected in a.rejected.iter().take(MOST_LISTED) {
-            lines.push(format!(
+        let elsewhere = ", all in calibration.json";
+        lines.extend(first_ones(&a.rejected, elsewhere, |rejected| {
+            format!(
                 "  {}: {:+.2} ± {:.2} µm{}",
                 rejected.length,
                 rejected.error_mm / MICROMETRE,
@@ -77,14 +78,8 @@ pub(crate) fn adjustment(calibration: &Calibration) -> Vec<String> {
                     true => ", unchecked beside a wrong one",
                     false => "",
                 }
-            ));
-        }
-        if a.rejected.len() > MOST_LISTED {
-            lines.push(format!(
-                "  and {} more, all in calibration.json",
-                a.rejected.len() - MOST_LISTED
-            ));
-        }
+            )
+        }));
     }
     lines
 }
@@ -141,15 +136,11 @@ fn uncertainty(calibration: &Calibration) -> String {
 
 /// What the uncertainties are multiplied with.
 fn coverage(calibration: &Calibration) -> String {
-    let nodes = calibration.axes.iter().flat_map(|axis| &axis.nodes);
-    let components = nodes.flat_map(|node| node.dof);
-    let locations = calibration
-        .axes
-        .iter()
-        .flat_map(|axis| &axis.location_errors);
-    let least = components
-        .chain(locations.map(|location| location.dof))
-        .fold(f64::INFINITY, f64::min);
+    let of_axes = calibration.axes.iter().flat_map(|axis| {
+        let components = axis.nodes.iter().flat_map(|node| node.dof);
+        components.chain(axis.location_errors.iter().map(|location| location.dof))
+    });
+    let least = of_axes.fold(f64::INFINITY, f64::min);
     let factor = coverage_factor(least);
     if factor > COVERAGE {
         format!("U is for 95 % (Student): k = {COVERAGE} to {factor:.2}")
