@@ -25,14 +25,17 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
     let differences = first.compare(&second)?;
     let mut inputs = of_calibration(&args.first, &first)?;
     inputs.extend(of_calibration(&args.second, &second)?);
-    let text = traced(to_json(&first, &second, &differences), &inputs, None)?;
+    // Curves and location errors in the order of the differences.
+    let curves = differences.chunk_by(|a, b| a.name == b.name);
+    let curves: Vec<&[Difference]> = curves.collect();
+    let text = traced(to_json(&first, &second, &curves), &inputs, None)?;
     let mut results = args.result.folder(&second.campaign)?;
     results.write("comparison.json", text.as_bytes())?;
     for (name, machine) in [("first", &first), ("second", &second)] {
         say_all(source(machine).iter().map(|line| format!("{name}: {line}")));
     }
-    say_all(table(&differences));
-    say(&summary(&differences));
+    say_all(table(&curves));
+    say(&summary(&curves));
     for (axis, kind, homes) in first.other_homes(&second) {
         notice(&other_home(axis, kind, &homes));
     }
@@ -110,15 +113,10 @@ fn measured_lengths(path: &Path) -> Option<String> {
     table["sha256"].as_str().map(str::to_owned)
 }
 
-/// Curves and location errors in the order of the differences.
-fn by_name(differences: &[Difference]) -> Vec<&[Difference]> {
-    differences.chunk_by(|a, b| a.name == b.name).collect()
-}
-
 fn to_json(
     first: &CalibratedMachine,
     second: &CalibratedMachine,
-    differences: &[Difference],
+    curves: &[&[Difference]],
 ) -> Value {
     let axes = second.machine().axes();
     let entry = |curve: &&[Difference]| {
@@ -144,7 +142,7 @@ fn to_json(
         "machine": second.name,
         "first": first.campaign,
         "second": second.campaign,
-        "differences": by_name(differences).iter().map(entry).collect::<Value>(),
+        "differences": curves.iter().map(entry).collect::<Value>(),
     })
 }
 
@@ -156,31 +154,25 @@ fn unit(difference: &Difference) -> (f64, &'static str) {
 }
 
 /// What it amounts to.
-fn summary(differences: &[Difference]) -> String {
-    let curves = by_name(differences);
-    if differences.iter().any(|d| d.u.is_nan()) {
+fn summary(curves: &[&[Difference]]) -> String {
+    if curves.iter().copied().flatten().any(|d| d.u.is_nan()) {
         return "whether any has changed by more than the noise is not known: a calibration has no uncertainties".to_owned();
     }
     let changed = curves
         .iter()
         .filter(|curve| curve.iter().any(Difference::is_beyond_noise));
+    let all = curves.len();
     match changed.count() {
-        0 => format!(
-            "none of the {} has changed by more than the noise",
-            curves.len()
-        ),
-        n => format!(
-            "{n} of the {} {} changed by more than the noise",
-            curves.len(),
-            if n == 1 { "has" } else { "have" }
-        ),
+        0 => format!("none of the {all} has changed by more than the noise"),
+        1 => format!("1 of the {all} has changed by more than the noise"),
+        n => format!("{n} of the {all} have changed by more than the noise"),
     }
 }
 
 /// A line for each curve and location error: its largest difference.
-fn table(differences: &[Difference]) -> Vec<String> {
+fn table(curves: &[&[Difference]]) -> Vec<String> {
     let mut lines = vec!["second - first         largest           U (k = 2)".to_owned()];
-    for curve in by_name(differences) {
+    for curve in curves {
         let largest = curve
             .iter()
             .max_by(|a, b| a.value().abs().total_cmp(&b.value().abs()));

@@ -42,10 +42,8 @@ impl Spot {
         let text = text.trim_start_matches('\u{feff}');
         let (number, mark) = mark(text, place)?;
         let line = text.lines().nth(number - 1)?;
-        let word = error
-            .chain()
-            .find_map(word)
-            .and_then(|word| single(line, word));
+        let word = error.chain().find_map(word);
+        let word = word.and_then(|word| single(line, word));
         Some(Self {
             file: file.clone(),
             number,
@@ -61,8 +59,30 @@ impl Spot {
 
     /// The lines of the drawing.
     pub(crate) fn drawn(&self) -> Vec<String> {
-        let file = self.file.display().to_string();
-        draw(&file, self.number, &self.line, self.mark.clone())
+        let (file, number, line) = (self.file.display(), self.number, self.line.as_str());
+        let start = characters(line, self.mark.start);
+        let end = characters(line, self.mark.end).max(start + 1);
+        // The mark with what stands around it.
+        let length = line.chars().count();
+        let first = match length <= WIDTH {
+            true => 0,
+            false => start.saturating_sub(WIDTH / 3),
+        };
+        let shown = line.chars().skip(first).take(WIDTH);
+        let shown: String = shown
+            .map(|c| if c.is_control() { ' ' } else { c })
+            .collect();
+        let cut = |is_cut: bool| if is_cut { "…" } else { "" };
+        let (left, right) = (cut(first > 0), cut(first + WIDTH < length));
+        let margin = " ".repeat(number.to_string().len());
+        let blanks = " ".repeat(start - first + left.chars().count());
+        let marks = "^".repeat(end.min(first + WIDTH).saturating_sub(start).max(1));
+        vec![
+            format!("{margin}--> {file}:{number}:{}", start + 1),
+            format!("{margin} |"),
+            format!("{number} | {left}{shown}{right}"),
+            format!("{margin} | {blanks}{marks}"),
+        ]
     }
 }
 
@@ -114,12 +134,9 @@ fn word<'e>(cause: &'e (dyn std::error::Error + 'static)) -> Option<&'e str> {
 
 /// The bytes of a word that stands in the line once.
 fn single(line: &str, word: &str) -> Option<Range<usize>> {
-    let (start, _) = line
-        .match_indices(word)
-        .next()
-        .filter(|_| !word.is_empty())?;
-    let is_single = line.match_indices(word).nth(1).is_none();
-    is_single.then_some(start..start + word.len())
+    let mut found = line.match_indices(word).filter(|_| !word.is_empty());
+    let (start, _) = found.next()?;
+    found.next().is_none().then_some(start..start + word.len())
 }
 
 /// The line, from 1, and the bytes in it that are meant.
@@ -186,33 +203,6 @@ fn characters(line: &str, bytes: usize) -> usize {
     line.get(..bytes).map_or(0, |text| text.chars().count())
 }
 
-fn draw(file: &str, number: usize, line: &str, mark: Range<usize>) -> Vec<String> {
-    let start = characters(line, mark.start);
-    let end = characters(line, mark.end).max(start + 1);
-    // The mark with what stands around it.
-    let length = line.chars().count();
-    let first = if length <= WIDTH {
-        0
-    } else {
-        start.saturating_sub(WIDTH / 3)
-    };
-    let shown = line.chars().skip(first).take(WIDTH);
-    let shown: String = shown
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
-    let cut = |is_cut: bool| if is_cut { "…" } else { "" };
-    let (left, right) = (cut(first > 0), cut(first + WIDTH < length));
-    let margin = " ".repeat(number.to_string().len());
-    let blanks = " ".repeat(start - first + left.chars().count());
-    let marks = "^".repeat(end.min(first + WIDTH).saturating_sub(start).max(1));
-    vec![
-        format!("{margin}--> {file}:{number}:{}", start + 1),
-        format!("{margin} |"),
-        format!("{number} | {left}{shown}{right}"),
-        format!("{margin} | {blanks}{marks}"),
-    ]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -223,9 +213,14 @@ mod tests {
             part,
             ..Place::default()
         };
-        let (number, range) = mark(text, &place).unwrap();
-        let line = text.lines().nth(number - 1).unwrap();
-        draw("f", number, line, range).join("\n")
+        let (number, mark) = mark(text, &place).unwrap();
+        let spot = Spot {
+            file: "f".into(),
+            number,
+            line: text.lines().nth(number - 1).unwrap().to_owned(),
+            mark,
+        };
+        spot.drawn().join("\n")
     }
 
     #[test]

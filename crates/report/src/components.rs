@@ -1,6 +1,7 @@
 //! The error curves of each axis with their uncertainty, and what they come to.
 
 use serde::Serialize;
+use trueaxis_files::told_behind;
 
 use crate::calibration::{Axis, Calibration, Curve, Kind};
 use crate::numbers::{decimals, expanded, fixed, signed, with_u};
@@ -88,13 +89,6 @@ fn section(axis: &Axis, calibration: &Calibration) -> AxisSection {
     }
 }
 
-fn unit(curve: &Curve) -> &'static str {
-    match curve.is_angular() {
-        true => "″",
-        false => "µm",
-    }
-}
-
 /// Student's factor above which a band would hide the curve, and is not drawn: with less than one degree of freedom.
 const MOST_COVERAGE: f64 = 20.0;
 
@@ -113,7 +107,6 @@ fn shown(nodes: &[[f64; 3]]) -> [f64; 2] {
 }
 
 fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
-    let unit = unit(curve);
     let position_unit = match axis.kind {
         Kind::Linear => " mm",
         Kind::Rotary => "°",
@@ -126,8 +119,9 @@ fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
     let [from, to] = range(axis.positions.iter().copied());
     let x = Scale::positions(axis.kind == Kind::Rotary, from, to, 5);
     let x_label = format!("{} in {}", axis.name, position_unit.trim());
-    let in_words = if curve.is_angular() { "arcsec" } else { "µm" };
-    let y_label = format!("{name} in {in_words}");
+    let unit = if curve.is_angular() { "arcsec" } else { "µm" };
+    let y_label = format!("{name} in {unit}");
+    let unit = told_behind(unit, ' ');
     let y = (&*y_label, Scale::new(low, high, 5));
     let mut plot = Plot::new(SIZE, &format!("{name}  {described}"), (&x_label, x), y);
     let of_side = |side: Option<i8>| -> Vec<[f64; 3]> {
@@ -153,10 +147,9 @@ fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
         plot.marks(&format!("m{colour}"), at(0.0));
         for [x, value, expanded] in on {
             let text = format!(
-                "{} = {x}{position_unit}{told}: {name} = {}{}{unit}",
+                "{} = {x}{position_unit}{told}: {name} = {}{unit}",
                 axis.name,
                 with_u(value, expanded, decimals(expanded)),
-                if curve.is_angular() { "" } else { " " },
             );
             plot.hover([x, value], &text);
         }
@@ -203,7 +196,7 @@ fn summary(name: &str, curve: &Curve, words: String) -> Summary {
     Summary {
         name: name.to_owned(),
         words,
-        unit: unit(curve),
+        unit: if curve.is_angular() { "″" } else { "µm" },
         least: shown(signed(least, digits)),
         largest: shown(signed(largest, digits)),
         range: shown(fixed(largest - least, digits)),

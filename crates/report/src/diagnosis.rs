@@ -102,14 +102,9 @@ pub(crate) struct Rival {
 }
 
 impl Rival {
-    /// Whether it is no effect of the catalogue, but something that wanders.
-    pub(crate) fn is_disturbance(&self) -> bool {
-        self.effect == "disturbance"
-    }
-
     /// `station jump of station S2`, or that of a disturbance in the data of a cause.
     pub(crate) fn name(&self, of: &Cause) -> String {
-        if !self.is_disturbance() {
+        if self.effect != "disturbance" {
             return words::effect(&self.effect, &self.subject);
         }
         let disturbance = Disturbance {
@@ -155,12 +150,8 @@ pub(crate) struct CorrelationLength {
 impl Disturbance {
     /// Whether the frame in which points are measured wanders.
     pub(crate) fn is_of_frame(&self) -> bool {
-        self.level == "points" && self.layer == "setup" && !self.is_of("target")
-    }
-
-    /// Whether a field of its subject is given.
-    pub(crate) fn is_of(&self, field: &str) -> bool {
-        self.subject.get(field).is_some_and(Value::is_string)
+        let is_of_target = self.subject.get("target").is_some_and(Value::is_string);
+        self.level == "points" && self.layer == "setup" && !is_of_target
     }
 
     /// The axis that it is of.

@@ -1,9 +1,9 @@
 //! The misfit without a cause, and the cause as fitted to it.
 
-use trueaxis_files::unit_symbol;
+use trueaxis_files::{told_behind, unit_symbol};
 
 use crate::diagnosis::Fitted;
-use crate::numbers::{fixed, signed};
+use crate::numbers::{fixed, signed, with_u};
 use crate::page::Figure;
 use crate::svg::Drawing;
 use crate::svg::plot::Plot;
@@ -41,15 +41,10 @@ struct Values<'a> {
     effect: &'a [f64],
     u: &'a [f64],
     unit: &'static str,
-    glued: &'static str,
 }
 
 impl<'a> Values<'a> {
     fn new(of: &'a Fitted, is_of_curve: bool) -> Option<Self> {
-        let (unit, glued) = match of.fitted_arcsec {
-            Some(_) => ("arcsec", "″"),
-            None => ("µm", " µm"),
-        };
         let one_of =
             |a: &'a Option<Vec<f64>>, b: &'a Option<Vec<f64>>| a.as_deref().or(b.as_deref());
         Some(Self {
@@ -58,8 +53,10 @@ impl<'a> Values<'a> {
             misfit: one_of(&of.misfit_um, &of.misfit_arcsec)?,
             effect: one_of(&of.fitted_um, &of.fitted_arcsec)?,
             u: one_of(&of.u_um, &of.u_arcsec).unwrap_or_default(),
-            unit,
-            glued,
+            unit: match of.fitted_arcsec {
+                Some(_) => "arcsec",
+                None => "µm",
+            },
         })
     }
 
@@ -88,9 +85,9 @@ impl<'a> Values<'a> {
             misfit,
             effect,
             unit,
-            glued,
             ..
         } = self;
+        let glued = told_behind(unit, ' ');
         let is_time = fitted.is_over_time();
         let at = |k: usize| fitted.at.get(k).copied().unwrap_or(f64::NAN);
         let [from, to] = range((0..misfit.len()).map(at));
@@ -101,17 +98,13 @@ impl<'a> Values<'a> {
         };
         let what = if self.is_of_curve { "error" } else { "misfit" };
         let y_label = format!("{what} in {unit}");
-        let x = Scale::positions(
-            place_unit == "°",
-            from,
-            to,
-            if size[0] > 400.0 { 5 } else { 4 },
-        );
+        let most_ticks = if size[0] > 400.0 { 5 } else { 4 };
+        let x = Scale::positions(place_unit == "°", from, to, most_ticks);
         let mut plot = Plot::new(size, &fitted.of, (&x_label, x), (&y_label, y));
         // Time has no sides; over a position each side of approach has its own course.
         let is_on = |k: usize, forward: bool| {
             let side = fitted.direction.get(k).copied().unwrap_or(1);
-            is_time && forward || !is_time && (side > 0) == forward
+            (is_time || side > 0) == forward
         };
         for (colour, forward) in [(0, true), (1, false)] {
             let of_side = || (0..misfit.len().min(effect.len())).filter(|&k| is_on(k, forward));
@@ -124,15 +117,14 @@ impl<'a> Values<'a> {
             plot.marks(&format!("p{colour}"), of_side().map(|k| [at(k), misfit[k]]));
             plot.line(&format!("l{colour}"), of_side().map(|k| [at(k), effect[k]]));
             for k in of_side() {
+                let told = match self.u.get(k) {
+                    Some(u) => with_u(misfit[k], 2.0 * u, 2),
+                    None => signed(misfit[k], 2),
+                };
                 let text = format!(
-                    "{} = {} {place_unit}: {}{}, cause {}{glued}",
+                    "{} = {} {place_unit}: {told}, cause {}{glued}",
                     fitted.against,
                     fixed(at(k), 1),
-                    signed(misfit[k], 2),
-                    match self.u.get(k) {
-                        Some(u) => format!(" ± {}", fixed(2.0 * u, 2)),
-                        None => String::new(),
-                    },
                     signed(effect[k], 2)
                 );
                 plot.hover([at(k), misfit[k]], &text);

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::numbers::{COVERAGE, decimals, fixed, p_value, signed};
+use crate::numbers::{COVERAGE, decimals, fixed, p_value, signed, with_u};
 use crate::page::Figure;
 use crate::svg::plot::Plot;
 use crate::svg::ticks::{Scale, bounds, range};
@@ -247,7 +247,7 @@ fn figure(k: usize, entry: &Entry, rotary_axes: &[String]) -> Option<Figure> {
         plot.marks(class, [[x, point.reading_um]]);
         let digits = decimals(u.max(u_prediction(point)));
         let text = format!(
-            "{axis} = {}{unit}, {}: read {} µm, predicted {}{} µm, {} µm with compensation{}",
+            "{axis} = {}{unit}, {}: read {} µm, predicted {} µm, {} µm with compensation{}",
             on_axis(point),
             if point.direction > 0 {
                 "forward"
@@ -255,10 +255,9 @@ fn figure(k: usize, entry: &Entry, rotary_axes: &[String]) -> Option<Figure> {
                 "backward"
             },
             signed(point.reading_um, digits),
-            signed(point.predicted_um, digits),
             match point.u_prediction_um {
-                Some(u) => format!(" ± {}", fixed(COVERAGE * u, digits)),
-                None => String::new(),
+                Some(u) => with_u(point.predicted_um, COVERAGE * u, digits),
+                None => signed(point.predicted_um, digits),
             },
             signed(point.compensated_um, digits),
             point

@@ -51,12 +51,6 @@ pub(crate) fn points_mm() -> Vec<Point3<f64>> {
         .collect()
 }
 
-/// Centre of the points.
-fn centre_mm(points_mm: &[Point3<f64>]) -> Point3<f64> {
-    let sum: Vector3<f64> = points_mm.iter().map(|p| p.coords).sum();
-    Point3::from(sum / points_mm.len() as f64)
-}
-
 /// A regular tetrahedron around the centre of the points, its edges along diagonals of a cube.
 pub(crate) fn tetrahedron(points_mm: &[Point3<f64>]) -> Arrangement {
     let corners = [
@@ -65,7 +59,8 @@ pub(crate) fn tetrahedron(points_mm: &[Point3<f64>]) -> Arrangement {
         [-1.0, 1.0, -1.0],
         [-1.0, -1.0, 1.0],
     ];
-    let centre = centre_mm(points_mm);
+    let sum: Vector3<f64> = points_mm.iter().map(|p| p.coords).sum();
+    let centre = Point3::from(sum / points_mm.len() as f64);
     Arrangement {
         name: "regular tetrahedron, 800 mm from the centre of the points",
         stations_mm: corners
