@@ -7,19 +7,10 @@
 //!
 //! for the measured axis through `q` along `n` and the nominal one through `c` along `n0`.
 
-use nalgebra::{Matrix3, Point3, Unit, Vector3};
-use trueaxis_kinematics::LocationError;
+use nalgebra::Matrix3;
+use trueaxis_kinematics::{Axis, LocationError};
 
 use crate::{Error, Line, squareness};
-
-/// The nominal axis of rotation in the reference frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NominalAxis {
-    /// A point on it, mm. The offset is taken at its height: a tilted axis is elsewhere at each.
-    pub point_mm: Point3<f64>,
-    /// Direction of positive rotation, right-hand rule.
-    pub direction: Unit<Vector3<f64>>,
-}
 
 /// Largest angle to the nominal direction. Beyond it the measured axis is another one, or runs the
 /// other way.
@@ -27,17 +18,17 @@ const MAX_TILT_DEG: f64 = 45.0;
 
 /// Location errors of a measured axis of rotation (`X0? Y0? Z0?` in mm, `A0? B0? C0?` in rad).
 ///
-/// The offset lies across the nominal axis, in the plane through `nominal.point_mm`; a line has no
-/// position along itself, so the axial part (`Z0C` for a C axis) is zero here and must come from
-/// elsewhere. The tilt is [`squareness`](crate::squareness()) of the two directions. With
-/// `nominal` from an axis of `trueaxis-kinematics` (its reference point and direction) the result
-/// moves that axis exactly onto the measured line.
+/// The offset lies across the nominal axis, in the plane through its reference point: a tilted axis is
+/// elsewhere at each height. A line has no position along itself, so the axial part (`Z0C` for a C axis)
+/// is zero here and must come from elsewhere. The tilt is [`squareness`](crate::squareness()) of the two
+/// directions. The result moves the nominal axis exactly onto the measured line.
 ///
 /// # Errors
 /// [`Error::FarFromNominal`] beyond 45 degrees.
-pub fn axis_location(nominal: &NominalAxis, measured: &Line) -> Result<LocationError, Error> {
-    let cosine = nominal.direction.dot(&measured.direction);
-    let sine = nominal.direction.cross(&measured.direction).norm();
+pub fn axis_location(nominal: &Axis, measured: &Line) -> Result<LocationError, Error> {
+    let (n0, n) = (nominal.direction(), measured.direction);
+    let cosine = n0.dot(&n);
+    let sine = n0.cross(&n).norm();
     let angle_deg = sine.atan2(cosine).to_degrees();
     if angle_deg.is_nan() || angle_deg > MAX_TILT_DEG {
         return Err(Error::FarFromNominal {
@@ -45,52 +36,40 @@ pub fn axis_location(nominal: &NominalAxis, measured: &Line) -> Result<LocationE
             limit_deg: MAX_TILT_DEG,
         });
     }
+    // Along the measured line onto the plane across the nominal axis.
+    let slide = Matrix3::identity() - n.into_inner() * n0.transpose() / n.dot(&n0);
     Ok(LocationError {
-        offset_mm: slide_along(nominal, measured) * (measured.point_mm - nominal.point_mm),
-        tilt_rad: squareness(nominal.direction, measured.direction),
+        offset_mm: slide * (measured.point_mm - nominal.reference_mm()),
+        tilt_rad: squareness(n0, n),
     })
-}
-
-/// Projection along the measured line onto the plane across the nominal axis.
-fn slide_along(nominal: &NominalAxis, measured: &Line) -> Matrix3<f64> {
-    let (n0, n) = (&nominal.direction, &measured.direction);
-    Matrix3::identity() - n.into_inner() * n0.transpose() / n.dot(n0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Scatter;
-    use nalgebra::Matrix6;
-    use trueaxis_kinematics::Axis;
+    use nalgebra::{Point3, Vector3};
 
-    fn line(point_mm: Point3<f64>, direction: Unit<Vector3<f64>>) -> Line {
-        Line {
-            point_mm,
-            direction,
-            cofactor: Matrix6::identity(),
-            scatter: Scatter::new(0.0, 3, 6),
-        }
+    fn c_axis() -> Axis {
+        let point_mm = Point3::new(50.0, 60.0, 70.0);
+        Axis::rotary("C", Vector3::z(), [0.0, 6.3], point_mm).unwrap()
     }
 
     /// Any point of the average axis of `trueaxis-kinematics` gives its location errors back.
     #[test]
     fn inverts_the_average_axis_of_kinematics() {
-        let travel = [0.0, 6.3];
-        let c = Axis::rotary("C", Vector3::z(), travel, Point3::new(50.0, 60.0, 70.0)).unwrap();
+        let c = c_axis();
         let location = LocationError {
             offset_mm: Vector3::new(0.1, -0.2, 0.0),
             tilt_rad: Vector3::new(1e-3, 2e-3, 0.0),
         };
-        let nominal = NominalAxis {
-            point_mm: c.reference_mm(),
-            direction: c.direction(),
-        };
         let direction = c.average_direction(&location);
         for height_mm in [-300.0, 0.0, 250.0] {
             let centre = c.reference_mm() + location.offset_mm;
-            let measured = line(centre + direction.into_inner() * height_mm, direction);
-            let found = axis_location(&nominal, &measured).unwrap();
+            let measured = Line {
+                point_mm: centre + direction.into_inner() * height_mm,
+                direction,
+            };
+            let found = axis_location(&c, &measured).unwrap();
             assert!((found.offset_mm - location.offset_mm).norm() < 1e-13);
             assert!((found.tilt_rad - location.tilt_rad).norm() < 1e-15);
             assert!(
@@ -102,11 +81,11 @@ mod tests {
 
     #[test]
     fn refuses_an_axis_that_runs_the_other_way() {
-        let nominal = NominalAxis {
+        let reversed = Line {
             point_mm: Point3::origin(),
-            direction: Vector3::z_axis(),
+            direction: -Vector3::z_axis(),
         };
-        let refused = axis_location(&nominal, &line(Point3::origin(), -Vector3::z_axis()));
+        let refused = axis_location(&c_axis(), &reversed);
         assert!(matches!(
             refused,
             Err(Error::FarFromNominal { angle_deg, .. }) if (angle_deg - 180.0).abs() < 1e-12

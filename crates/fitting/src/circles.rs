@@ -12,11 +12,11 @@
 //! the start, then height and radius of each circle. All are in units of the cloud, from its
 //! centroid.
 
-use nalgebra::{DMatrix, Matrix3, Matrix3x2, Matrix6, SMatrix, Vector2, Vector3};
-use trueaxis_leastsquares::dense::{Model, Settings, Termination, adjust};
+use nalgebra::{DMatrix, Matrix3, Matrix3x2, Unit, Vector2, Vector3};
+use trueaxis_leastsquares::dense::{Model, adjust};
 
-use crate::Error;
 use crate::cloud::{Cloud, mean};
+use crate::{Circle, CommonAxis, Error, Line};
 
 /// Unknowns of the axis; each circle adds two.
 const AXIS_UNKNOWNS: usize = 4;
@@ -24,23 +24,6 @@ const AXIS_UNKNOWNS: usize = 4;
 /// Steps fall to the rounding within ten or so. A target within its own noise of the axis needs a
 /// hundred, and an arc without a bend runs away towards a straight line until it is stopped.
 const MAX_ITERATIONS: usize = 500;
-
-/// Circles about one axis with the least sum of squares. Lengths in units of the cloud.
-pub(crate) struct Circles {
-    /// The point of the axis nearest to the centroid of the cloud.
-    pub(crate) point: Vector3<f64>,
-    /// Unit vector along the axis, in the sense in which the points travel round it.
-    pub(crate) direction: Vector3<f64>,
-    /// Height above the point, and radius, of each circle.
-    pub(crate) circles: Vec<(f64, f64)>,
-    /// How point (across the axis) and direction follow from the four unknowns of the axis.
-    line_from_unknowns: SMatrix<f64, 6, AXIS_UNKNOWNS>,
-    cofactor: DMatrix<f64>,
-    /// Sum of the squared distances.
-    pub(crate) squares: f64,
-    pub(crate) iterations: usize,
-    pub(crate) termination: Termination,
-}
 
 /// The residuals of all points, with the axis of the start.
 struct Axis<'a> {
@@ -58,99 +41,55 @@ struct Placed {
     tilts: Matrix3x2<f64>,
 }
 
-impl Circles {
-    /// The circles about an axis near `frame[2]`.
-    ///
-    /// # Errors
-    /// [`Error::Undetermined`] if the points leave a combination of the unknowns free.
-    pub(crate) fn fit(cloud: &Cloud, mut frame: Matrix3<f64>) -> Result<Self, Error> {
-        let mut centre = algebraic_centre(&cloud.groups, &frame);
-        if travel(&cloud.groups, &frame, centre) < 0.0 {
-            frame.swap_columns(0, 1);
-            frame.column_mut(2).neg_mut();
-            centre = centre.yx();
-        }
-        let axis = Axis {
-            groups: &cloud.groups,
-            frame,
-            point: frame.fixed_columns::<2>(0) * centre,
-        };
-        let mut start = vec![0.0; AXIS_UNKNOWNS];
-        for group in &cloud.groups {
-            let radii = in_plane(group, &frame).map(|p| (p - centre).norm());
-            let radius = radii.sum::<f64>() / group.len().max(1) as f64;
-            start.extend([frame.column(2).dot(&mean(group)), radius]);
-        }
-        let settings = Settings {
-            max_iterations: MAX_ITERATIONS,
-            ..Settings::default()
-        };
-        let undetermined = |singular_value| Error::Undetermined { singular_value };
-        let fitted = adjust(&axis, &start, &settings).map_err(|_| undetermined(f64::NAN))?;
-        let Some(cofactor) = fitted.covariance else {
-            let ends = (
-                fitted.singular_values.last(),
-                fitted.singular_values.first(),
-            );
-            let ratio = ends
-                .0
-                .zip(ends.1)
-                .map_or(f64::NAN, |(least, most)| least / most);
-            return Err(undetermined(ratio));
-        };
-        let Placed {
-            point,
-            direction,
-            tilts,
-        } = axis.placed(&fitted.unknowns);
-        let (along, across) = (direction.dot(&point), frame.fixed_columns::<2>(0));
-        let crosswise = Matrix3::identity() - direction * direction.transpose();
-        let mut line_from_unknowns = SMatrix::<f64, 6, AXIS_UNKNOWNS>::zeros();
-        let mut set = |row, column, block: Matrix3x2<f64>| {
-            line_from_unknowns
-                .fixed_view_mut::<3, 2>(row, column)
-                .copy_from(&block);
-        };
-        set(0, 0, crosswise * across);
-        set(0, 2, tilts * -along);
-        set(3, 2, tilts);
-        let circles = fitted.unknowns[AXIS_UNKNOWNS..].chunks_exact(2);
-        Ok(Self {
-            point: point - direction * along,
-            direction,
-            circles: circles
-                .map(|circle| (circle[0] + along, circle[1]))
-                .collect(),
-            line_from_unknowns,
-            cofactor,
-            squares: fitted.squares,
-            iterations: fitted.iterations,
-            termination: fitted.termination,
-        })
+/// The circles about an axis near `frame[2]` with the least sum of squares, in mm.
+///
+/// # Errors
+/// [`Error::Undetermined`] if the points leave a combination of the unknowns free.
+pub(crate) fn fit(cloud: &Cloud, mut frame: Matrix3<f64>) -> Result<CommonAxis, Error> {
+    let mut centre = algebraic_centre(&cloud.groups, &frame);
+    if travel(&cloud.groups, &frame, centre) < 0.0 {
+        frame.swap_columns(0, 1);
+        frame.column_mut(2).neg_mut();
+        centre = centre.yx();
     }
-
-    /// Centre of circle `k`.
-    pub(crate) fn centre(&self, k: usize) -> Vector3<f64> {
-        self.point + self.direction * self.circles[k].0
+    let axis = Axis {
+        groups: &cloud.groups,
+        frame,
+        point: frame.fixed_columns::<2>(0) * centre,
+    };
+    let mut start = vec![0.0; AXIS_UNKNOWNS];
+    for group in &cloud.groups {
+        let radii = in_plane(group, &frame).map(|p| (p - centre).norm());
+        let radius = radii.sum::<f64>() / group.len().max(1) as f64;
+        start.extend([frame.column(2).dot(&mean(group)), radius]);
     }
-
-    /// Number of unknowns.
-    pub(crate) fn unknowns(&self) -> usize {
-        self.cofactor.nrows()
+    let undetermined = |singular_value| Error::Undetermined { singular_value };
+    let fitted = adjust(&axis, &start, MAX_ITERATIONS).map_err(|_| undetermined(f64::NAN))?;
+    if fitted.covariance.is_none() {
+        let values = &fitted.singular_values;
+        let ends = values.last().zip(values.first());
+        return Err(undetermined(
+            ends.map_or(f64::NAN, |(least, most)| least / most),
+        ));
     }
-
-    /// Covariance of the point across the axis and of the direction, residuals of unit variance.
-    pub(crate) fn line_cofactor(&self) -> Matrix6<f64> {
-        let own =
-            SMatrix::<f64, AXIS_UNKNOWNS, AXIS_UNKNOWNS>::from_fn(|i, k| self.cofactor[(i, k)]);
-        self.line_from_unknowns * own * self.line_from_unknowns.transpose()
-    }
-
-    /// Variance of the radius of circle `k`, residuals of unit variance.
-    pub(crate) fn radius_cofactor(&self, k: usize) -> f64 {
-        let radius = AXIS_UNKNOWNS + 2 * k + 1;
-        self.cofactor[(radius, radius)]
-    }
+    let Placed {
+        point, direction, ..
+    } = axis.placed(&fitted.unknowns);
+    let along = direction.dot(&point);
+    let nearest = point - direction * along;
+    let circle = |of_circle: &[f64]| Circle {
+        center_mm: cloud.to_mm(nearest + direction * (of_circle[0] + along)),
+        radius_mm: of_circle[1] * cloud.unit_mm,
+    };
+    let circles = fitted.unknowns[AXIS_UNKNOWNS..].chunks_exact(2);
+    Ok(CommonAxis {
+        axis: Line {
+            point_mm: cloud.to_mm(nearest),
+            direction: Unit::new_unchecked(direction),
+        },
+        circles: circles.map(circle).collect(),
+        termination: fitted.termination,
+    })
 }
 
 impl Axis<'_> {

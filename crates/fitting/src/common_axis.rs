@@ -1,50 +1,40 @@
 //! One axis of rotation through the circles of several targets (paper 4.2.3).
 
-use nalgebra::{Point3, Unit};
+use nalgebra::Point3;
 use trueaxis_leastsquares::dense::Termination;
 
-use crate::circles::Circles;
 use crate::cloud::Cloud;
 use crate::principal_axes::principal_axes;
-use crate::{Error, Line, Scatter};
+use crate::{Error, Line, circles};
 
 /// The average axis of rotation with the circle of each target about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CommonAxis {
     /// The axis. Its point is the one nearest to the centroid of all points; the points, in their
-    /// order, travel round its direction by the right-hand rule (where that can be told).
+    /// order, travel round its direction by the right-hand rule (where that can be told: not if they go to
+    /// and fro, or round by half turns).
     pub axis: Line,
     /// The circles in the order given.
-    pub circles: Vec<AxisCircle>,
-    /// Steps of the iteration.
-    pub iterations: usize,
-    /// How it ended. A result that is not converged is returned, not hidden.
+    pub circles: Vec<Circle>,
+    /// How the iteration ended. A result that is not converged is returned, not hidden.
     pub termination: Termination,
 }
 
 /// The circle of one target about a common axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AxisCircle {
+pub struct Circle {
     /// Centre, on the axis, mm.
     pub center_mm: Point3<f64>,
-    /// Height of the centre above the point of the axis, along its direction, mm.
-    pub height_mm: f64,
     /// Radius, mm.
     pub radius_mm: f64,
-    /// Variance of the radius for independent coordinates of unit variance. Multiply by the
-    /// variance of a coordinate (σ², mm²).
-    pub radius_cofactor: f64,
 }
 
 /// The axis about which each group of points goes round in a circle of its own radius and height,
-/// with the least sum of squared orthogonal distances.
+/// with the least sum of squared orthogonal distances. One group alone has its own circle in space.
 ///
 /// The start needs no full turn: chords of a circle are perpendicular to the axis, so its
 /// direction is the one in which the points of all groups, each relative to its own centroid,
 /// spread least; the centre then solves a linear problem in the plane.
-///
-/// Unknowns are four for the axis and two for each circle. A rotary axis' own errors are not
-/// independent noise from point to point: the uncertainty then says less than a repetition.
 ///
 /// # Errors
 /// [`Error::TooFewOnCircle`] if a circle has less than two points, [`Error::TooFewPoints`] if there
@@ -61,10 +51,8 @@ pub fn fit_common_axis(circles: &[&[Point3<f64>]]) -> Result<CommonAxis, Error> 
         });
     }
     // Two residuals for each point against 4 + 2 k unknowns; three points for no circle at all.
-    let (need, found) = (
-        circles.len().max(1) + 2,
-        circles.iter().map(|c| c.len()).sum(),
-    );
+    let need = circles.len().max(1) + 2;
+    let found = circles.iter().map(|c| c.len()).sum();
     if found < need {
         return Err(Error::TooFewPoints {
             what: "common axis",
@@ -75,36 +63,5 @@ pub fn fit_common_axis(circles: &[&[Point3<f64>]]) -> Result<CommonAxis, Error> 
     let cloud = Cloud::new(circles)?;
     let axes = principal_axes(&cloud.pooled());
     axes.check_planar(&cloud)?;
-    Ok(to_common_axis(
-        &cloud,
-        &Circles::fit(&cloud, axes.directions)?,
-    ))
-}
-
-/// In mm: covariances of lengths then are of mm², those of angles of rad².
-fn to_common_axis(cloud: &Cloud, fitted: &Circles) -> CommonAxis {
-    let unit_mm = cloud.unit_mm;
-    let mut cofactor = fitted.line_cofactor();
-    for i in 3..6 {
-        cofactor.row_mut(i).unscale_mut(unit_mm);
-        cofactor.column_mut(i).unscale_mut(unit_mm);
-    }
-    let circle = |(k, &(height, radius)): (usize, &(f64, f64))| AxisCircle {
-        center_mm: cloud.to_mm(fitted.centre(k)),
-        height_mm: height * unit_mm,
-        radius_mm: radius * unit_mm,
-        radius_cofactor: fitted.radius_cofactor(k),
-    };
-    let squares_mm2 = fitted.squares * unit_mm * unit_mm;
-    CommonAxis {
-        axis: Line {
-            point_mm: cloud.to_mm(fitted.point),
-            direction: Unit::new_unchecked(fitted.direction),
-            cofactor,
-            scatter: Scatter::new(squares_mm2, cloud.len(), fitted.unknowns()),
-        },
-        circles: fitted.circles.iter().enumerate().map(circle).collect(),
-        iterations: fitted.iterations,
-        termination: fitted.termination.clone(),
-    }
+    circles::fit(&cloud, axes.directions)
 }

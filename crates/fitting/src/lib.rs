@@ -3,23 +3,22 @@
 //!
 //! ```text
 //! line         minimise Σ |d - (d·v) v|²            d = p - centroid
-//! circle       minimise Σ h² + (ρ - R)²             h from its plane, ρ from its axis
-//! common axis  minimise Σ_k Σ (h - z_k)² + (ρ - R_k)²   one axis, each target its circle
+//! common axis  minimise Σ_k Σ (h - z_k)² + (ρ - R_k)²   h along it, ρ from it; each target k its circle
 //! ```
 //!
-//! Noun in: measured points; noun out: a [`Line`], a [`Circle`] or a [`CommonAxis`] with its
-//! covariance and residuals ([`fit_line`], [`fit_circle`], [`fit_circle_two_step`] after NIST,
-//! [`fit_common_axis`]). Average lines then give [`squareness`](squareness()) (paper 4.2.2),
+//! Noun in: measured points; noun out: a [`Line`] ([`fit_line`]) or a [`CommonAxis`] with a circle for each
+//! target ([`fit_common_axis`]). Average lines then give [`squareness`](squareness()) (paper 4.2.2),
 //! average axes the location errors of a rotary axis ([`axis_location`], 4.2.3). A calibration starts from
-//! these and continues with its own adjustment of all steps. Lengths are mm, angles rad; signs follow the right-hand rule. The paper's own angles
-//! (Eq. 23), of which three have the opposite sign, are [`paper_squareness`] and
-//! [`paper_c_axis_tilt`].
+//! these and continues with its own adjustment of all steps, which gives the uncertainties. Lengths are mm, angles rad;
+//! signs follow the right-hand rule. The paper's own angles (Eq. 23), of which three have the opposite sign, are
+//! [`paper_squareness`] and [`paper_c_axis_tilt`].
 //!
-//! The fits reproduce NIST's reference pairs to twelve digits.
+//! Lines reproduce NIST's reference pairs, and circles the same points' answers in 60-digit arithmetic, to twelve digits.
 //!
 //! ```
 //! use nalgebra::{Point3, UnitQuaternion, Vector3};
-//! use trueaxis_fitting::{NominalAxis, axis_location, fit_common_axis};
+//! use trueaxis_fitting::{axis_location, fit_common_axis};
+//! use trueaxis_kinematics::Axis;
 //!
 //! // A rotary table turns two targets by 10 degrees at a time, a fifth of a turn in all, about
 //! // an axis that stands 20 µm off along x and leans by 50 µrad about y.
@@ -32,18 +31,16 @@
 //! });
 //!
 //! let fitted = fit_common_axis(&[&arcs[0], &arcs[1]])?;
-//! let nominal = NominalAxis { point_mm: Point3::origin(), direction: Vector3::z_axis() };
+//! let nominal = Axis::rotary("C", Vector3::z(), [0.0, 6.3], Point3::origin())?;
 //! let location = axis_location(&nominal, &fitted.axis)?;
 //! assert!((location.offset_mm - Vector3::new(0.020, 0.0, 0.0)).norm() < 1e-11); // X0C
 //! assert!((location.tilt_rad - Vector3::new(0.0, 50e-6, 0.0)).norm() < 1e-13); // B0C
-//! # Ok::<(), trueaxis_fitting::Error>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! What it does not do: weights, outliers, or noise that is correlated from point to point; the
-//! stated uncertainties are those of independent coordinates of equal variance.
+//! What it does not do: weights, outliers, or uncertainties.
 
 mod axis_location;
-mod circle;
 mod circles;
 mod cloud;
 mod common_axis;
@@ -51,14 +48,11 @@ mod error;
 mod line;
 mod paper_angles;
 mod principal_axes;
-mod scatter;
 mod squareness;
 
-pub use axis_location::{NominalAxis, axis_location};
-pub use circle::{Circle, fit_circle, fit_circle_two_step};
-pub use common_axis::{AxisCircle, CommonAxis, fit_common_axis};
+pub use axis_location::axis_location;
+pub use common_axis::{Circle, CommonAxis, fit_common_axis};
 pub use error::Error;
 pub use line::{Line, fit_line};
 pub use paper_angles::{PaperSquareness, PaperTilt, paper_c_axis_tilt, paper_squareness};
-pub use scatter::Scatter;
 pub use squareness::squareness;

@@ -18,7 +18,7 @@ mod trust_region;
 
 use nalgebra::DMatrix;
 
-pub use adjust::{Adjusted, Settings, adjust};
+pub use adjust::{Adjusted, adjust};
 pub use decompositions::{relative_singular_value, symmetric_eigen};
 pub use eigenvalues_along::eigenvalues_along;
 pub use model::Model;

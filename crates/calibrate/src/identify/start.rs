@@ -5,7 +5,7 @@
 //! small errors away from the answer. What the traces of few points do not give stays nominal.
 
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
-use trueaxis_fitting::{NominalAxis, axis_location, fit_common_axis, fit_line, squareness};
+use trueaxis_fitting::{axis_location, fit_common_axis, fit_line, squareness};
 use trueaxis_kinematics::{Axis, AxisKind, Ideal, LocationError, MotionError};
 
 use crate::identify::axis_data::{AxisData, RunData};
@@ -41,15 +41,11 @@ fn location(context: &Context<'_>, data: &AxisData, run: &RunData) -> Option<Loc
         AxisKind::Rotary => {
             let circles: Vec<&[Point3<f64>]> = traces.iter().map(Vec::as_slice).collect();
             let mut measured = fit_common_axis(&circles).ok()?.axis;
-            let nominal = NominalAxis {
-                point_mm: axis.reference_mm(),
-                direction: axis.direction(),
-            };
             // The sense of rotation is the machine's; only the line is wanted here.
-            if measured.direction.dot(&nominal.direction) <= 0.0 {
-                measured = measured.reversed();
+            if measured.direction.dot(&axis.direction()) <= 0.0 {
+                measured.direction = -measured.direction;
             }
-            axis_location(&nominal, &measured).ok()
+            axis_location(axis, &measured).ok()
         }
     }
 }

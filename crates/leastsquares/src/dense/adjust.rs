@@ -19,25 +19,10 @@ use super::termination::Termination;
 use super::trust_region::TrustRegion;
 use crate::Error;
 
-/// When to stop.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
-    /// Most iterations. Narrow curved valleys take hundreds.
-    pub max_iterations: usize,
-    /// Converged when Newton's step changes the residuals by less than this fraction of their
-    /// norm (or by less than their rounding); it is taken still. No unknown then moves by more
-    /// than this fraction, times the root of the degrees of freedom, of its standard deviation.
-    pub offset_tol: f64,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            max_iterations: 2000,
-            offset_tol: 1e-8,
-        }
-    }
-}
+/// Converged when Newton's step changes the residuals by less than this fraction of their norm (or by less than their
+/// rounding); it is taken still. No unknown then moves by more than this fraction, times the root of the degrees of
+/// freedom, of its standard deviation.
+const OFFSET_TOL: f64 = 1e-8;
 
 /// Adjusted unknowns with the evidence.
 #[derive(Debug, Clone)]
@@ -69,13 +54,13 @@ const SLOW: f64 = 0.5;
 
 /// Minimises the sum of squares of the residuals of `model` from `start`.
 ///
-/// Finds a local minimum; which one depends on the start. Where a model is not finite, or the sum
-/// of its squares is not, steps turn back. A step needs the residuals and the Jacobian once; the
-/// last few, which are Newton's, need one more Jacobian for each unknown.
+/// Finds a local minimum in `max_iterations` steps at most (narrow curved valleys take hundreds); which one depends on
+/// the start. Where a model is not finite, or the sum of its squares is not, steps turn back. A step needs the residuals
+/// and the Jacobian once; the last few, which are Newton's, need one more Jacobian for each unknown.
 ///
 /// ```
 /// use nalgebra::DMatrix;
-/// use trueaxis_leastsquares::dense::{Model, Settings, adjust};
+/// use trueaxis_leastsquares::dense::{Model, adjust};
 ///
 /// /// Warm-up `a (1 - exp(-t/T))` of a spindle, measured in µm after some minutes.
 /// struct WarmUp(Vec<(f64, f64)>);
@@ -96,8 +81,8 @@ const SLOW: f64 = 0.5;
 /// }
 ///
 /// let readings = vec![(10.0, 8.1), (20.0, 13.0), (40.0, 17.2), (80.0, 19.8)];
-/// let adjusted = adjust(&WarmUp(readings), &[10.0, 10.0], &Settings::default())?;
-/// assert!(adjusted.termination.is_converged(), "{}", adjusted.termination);
+/// let adjusted = adjust(&WarmUp(readings), &[10.0, 10.0], 100)?;
+/// assert!(adjusted.termination.is_converged(), "{:?}", adjusted.termination);
 /// assert!((adjusted.unknowns[1] - 19.4).abs() < 0.1, "{:?}", adjusted.unknowns);
 /// # Ok::<(), trueaxis_leastsquares::Error>(())
 /// ```
@@ -109,7 +94,7 @@ const SLOW: f64 = 0.5;
 /// # Panics
 /// If there is no unknown, or the Jacobian does not have a row for each residual and a column for
 /// each unknown.
-pub fn adjust(model: &dyn Model, start: &[f64], settings: &Settings) -> Result<Adjusted, Error> {
+pub fn adjust(model: &dyn Model, start: &[f64], max_iterations: usize) -> Result<Adjusted, Error> {
     assert!(!start.is_empty(), "at least one unknown");
     let residuals = model.residuals(start);
     let mut here = Linearised::at(model, start.to_vec(), residuals)?.ok_or(Error::NotFinite {
@@ -120,7 +105,7 @@ pub fn adjust(model: &dyn Model, start: &[f64], settings: &Settings) -> Result<A
     let mut iterations = 0;
     let termination = loop {
         let size = norm(&here.residuals);
-        let tolerance = (settings.offset_tol * size).max(here.rounding);
+        let tolerance = (OFFSET_TOL * size).max(here.rounding);
         let stationary = here.offset() <= tolerance;
         let near = stationary || here.offset() <= NEAR * size;
         let newton = if near && here.has_full_rank() {
@@ -149,7 +134,7 @@ pub fn adjust(model: &dyn Model, start: &[f64], settings: &Settings) -> Result<A
                 break Termination::Converged { offset, tolerance };
             }
         }
-        if iterations == settings.max_iterations {
+        if iterations == max_iterations {
             break Termination::MaxIterations { offset, tolerance };
         }
         iterations += 1;

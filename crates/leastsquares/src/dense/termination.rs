@@ -1,7 +1,5 @@
 //! Why an adjustment stopped.
 
-use std::fmt;
-
 /// Why the iteration of [`adjust`](super::adjust()) stopped. Lengths are in the unit of the
 /// residuals.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,38 +50,5 @@ impl Termination {
     /// Whether the result is a minimum.
     pub fn is_converged(&self) -> bool {
         matches!(self, Self::Converged { .. })
-    }
-}
-
-impl fmt::Display for Termination {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Converged { offset, tolerance } => {
-                write!(f, "converged: offset {offset:.1e}, limit {tolerance:.1e}")
-            }
-            Self::RankDefect {
-                rank,
-                unknowns,
-                singular_value,
-                limit,
-                ..
-            } => write!(
-                f,
-                "not determined: rank {rank} of {unknowns} (singular value {singular_value:.1e} \
-                 relative, limit {limit:.1e})"
-            ),
-            Self::NoMinimum { curvature } => {
-                write!(f, "no minimum: relative curvature {curvature:.1e}")
-            }
-            Self::Stalled { offset, tolerance } => write!(
-                f,
-                "stuck: no step lowers the sum of squares, offset {offset:.1e}, limit \
-                 {tolerance:.1e}"
-            ),
-            Self::MaxIterations { offset, tolerance } => write!(
-                f,
-                "iterations used up: offset {offset:.1e}, limit {tolerance:.1e}"
-            ),
-        }
     }
 }

@@ -4,7 +4,7 @@
 //! eleven, so eleven is the most. (Ceres reports 9.4 in the mean for itself, and 4.4 for MINPACK.)
 
 use nalgebra::DMatrix;
-use trueaxis_leastsquares::dense::{Adjusted, Model, Settings, adjust};
+use trueaxis_leastsquares::dense::{Adjusted, Model, adjust};
 
 use crate::strd_file::Set;
 use crate::strd_models::{MODELS, Regression};
@@ -39,10 +39,10 @@ fn converges_in_52_of_54_runs_and_never_to_a_wrong_answer() {
     for regression in regressions() {
         let certified = &regression.set.certified;
         for (k, start) in regression.set.starts.iter().enumerate() {
-            let adjusted = adjust(&regression, start, &Settings::default()).unwrap();
+            let adjusted = adjust(&regression, start, 2000).unwrap();
             let found = digits(&adjusted.unknowns, &certified.unknowns).max(0.0);
             println!(
-                "{:9} {:5}  {found:6.1}  {:5}  {}",
+                "{:9} {:5}  {found:6.1}  {:5}  {:?}",
                 regression.set.name,
                 k + 1,
                 adjusted.iterations,

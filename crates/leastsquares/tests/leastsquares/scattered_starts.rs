@@ -7,7 +7,7 @@
 use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trueaxis_leastsquares::dense::{Adjusted, Model, Settings, adjust};
+use trueaxis_leastsquares::dense::{Adjusted, Model, adjust};
 
 use crate::nist_strd::{digits, regressions};
 use crate::strd_models::Regression;
@@ -20,10 +20,6 @@ const MAX_ITERATIONS: usize = 200;
 
 #[test]
 fn converged_means_a_local_minimum() {
-    let settings = Settings {
-        max_iterations: MAX_ITERATIONS,
-        ..Settings::default()
-    };
     let mut random = ChaCha8Rng::seed_from_u64(27);
     let (mut certified, mut other, mut open) = (0, 0, 0);
     for regression in regressions() {
@@ -33,7 +29,7 @@ fn converged_means_a_local_minimum() {
                 .iter()
                 .map(|b| b * 10_f64.powf(random.random_range(-1.0..1.0)))
                 .collect();
-            let Ok(adjusted) = adjust(&regression, &start, &settings) else {
+            let Ok(adjusted) = adjust(&regression, &start, MAX_ITERATIONS) else {
                 open += 1; // not finite at the start
                 continue;
             };
