@@ -40,7 +40,8 @@ pub fn equations(r: &[Vector3<f64>]) -> MatrixXx6<f64> {
 /// are of one size and translations do not mix with rotations, wherever the reference point is.
 pub(crate) struct CentredTargets {
     centroid_mm: Vector3<f64>,
-    gyration_mm: f64,
+    /// Root of the mean squared distance of the targets from their centroid, mm.
+    pub(crate) gyration_mm: f64,
     scaled: Vec<Vector3<f64>>,
 }
 
@@ -66,11 +67,6 @@ impl CentredTargets {
             gyration_mm,
             scaled,
         })
-    }
-
-    /// Root of the mean squared distance of the targets from their centroid, mm.
-    pub(crate) fn gyration_mm(&self) -> f64 {
-        self.gyration_mm
     }
 
     /// The equations for δ at the centroid (mm) and ε times the radius of gyration (mm).

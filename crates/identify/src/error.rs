@@ -1,6 +1,6 @@
 //! Why six component errors cannot be had from these points.
 
-use crate::{SixRows, UnseenMotion};
+use crate::SixRows;
 
 /// Points that do not determine the six component errors, or input that is not what it should be.
 ///
@@ -76,14 +76,6 @@ pub enum Error {
         /// The rows as given.
         rows: [usize; 6],
     },
-    /// One of the six choices of rows that are singular wherever the targets are.
-    #[error("equations {rows} never suffice: they do not see {unseen}")]
-    BlindRows {
-        /// The choice.
-        rows: SixRows,
-        /// The motion that changes none of the six measured coordinates.
-        unseen: UnseenMotion,
-    },
     /// A choice of rows that is singular for these targets.
     #[error(
         "equations {rows} are singular for these targets: condition number {condition:.3e}, \
@@ -96,17 +88,6 @@ pub enum Error {
         condition: f64,
         /// Determinant of the six equations, mm³; for [`SixRows::PAPER`] it is the paper's N.
         determinant_mm3: f64,
-    },
-    /// The denominator N of the paper's closed form vanishes.
-    #[error(
-        "the denominator N of equation 18 is {n_mm3:.3e} mm³, nothing against {scale_mm3:.3e} mm³ \
-         (the longest distance between targets, cubed): move a target or use all nine equations"
-    )]
-    NearZeroN {
-        /// N, mm³.
-        n_mm3: f64,
-        /// The cube of the longest distance between two targets, mm³.
-        scale_mm3: f64,
     },
     /// A choice of rows that is so near to singular at a step that the distortion of its points leaves no pose.
     #[error(

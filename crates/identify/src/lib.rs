@@ -14,8 +14,7 @@
 //! [`MotionError`](trueaxis_kinematics::MotionError), and knows the noise it lets through:
 //!
 //! - [`nine()`] and [`nine_weighted`]: all equations by least squares, for three targets or more;
-//! - [`SixRows`]: any six of the nine (the paper's are Eqs. 10 and 17), for comparison;
-//!   [`closed_form()`] solves the paper's six as its Eqs. 11, 18 and 22 do.
+//! - [`SixRows`]: any six of the nine (the paper's are Eqs. 10 and 17), for comparison.
 //!
 //! Lengths are mm, angles rad, right-hand rule. δ belongs to the point that `r` is measured from,
 //! and its noise grows with the distance of the targets from there.
@@ -31,7 +30,6 @@
 //! finds: separating them needs all steps of a run.
 
 mod body;
-mod closed_form;
 mod covariance;
 mod design;
 mod error;
@@ -44,12 +42,11 @@ mod six_rows;
 mod triangle;
 
 pub use body::{BodyNoise, BodyPoseNoise, BodyPoses, BodyStep, StepPose, poses_of_body};
-pub use closed_form::closed_form;
 pub use design::equations;
 pub use error::{Error, StepError};
 pub use misfit::{RigidMisfit, rigid_misfit};
 pub use nine::{nine, nine_weighted};
 pub use operator::Operator;
 pub use pose::{Equations, MeasuredPose, StepPoints, pose_from_points};
-pub use six_rows::{SixRows, UnseenMotion};
+pub use six_rows::SixRows;
 pub use triangle::{SideMismatch, triangle_mismatch};

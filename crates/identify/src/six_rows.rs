@@ -9,22 +9,18 @@ use crate::{Error, Operator};
 
 /// A choice of six of the nine equations ①②③④⑤⑥⑦⑧⑨, that is Px Py Pz Qx Qy Qz Kx Ky Kz.
 ///
-/// Of the 84 choices, 78 determine the six component errors of three targets in general position
-/// and 6 never do ([`SixRows::unseen`]). The noise of the 78 differs by orders of magnitude.
+/// Of the 84 choices, 78 determine the six component errors of three targets in general position,
+/// with noise that differs by orders of magnitude. Six never do:
+///
+/// - ①②③④⑤⑥, ①②③⑦⑧⑨, ④⑤⑥⑦⑧⑨ hold all coordinates of two targets and none of the third. Turning
+///   the stage about the line through the two moves neither. (Their distance is measured twice instead.)
+/// - ①②④⑤⑦⑧, ①③④⑥⑦⑨, ②③⑤⑥⑧⑨ hold no z, no y, no x: the column of δz, δy, δx is zero.
+///
+/// The paper's rule (one row at least from each target, and not the last three) says the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct SixRows {
     /// Bit i stands for row i.
     mask: u16,
-}
-
-/// A rigid motion that leaves six measured coordinates as they are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum UnseenMotion {
-    /// The rotation about the line through two targets (0, 1, 2 for P, Q, K): nothing else is
-    /// measured than these two.
-    RotationAbout(usize, usize),
-    /// The displacement along x, y or z (0, 1, 2): this coordinate is measured nowhere.
-    DisplacementAlong(usize),
 }
 
 impl SixRows {
@@ -32,8 +28,6 @@ impl SixRows {
     pub const PAPER: Self = Self {
         mask: 0b1_1010_1011,
     };
-
-    const ALL_ROWS: u16 = 0b1_1111_1111;
 
     /// The choice of the rows with these indices from 0 (①) to 8 (⑨), in any order.
     ///
@@ -53,8 +47,8 @@ impl SixRows {
 
     /// All 84 choices, the 6 that never work among them.
     pub fn all() -> impl Iterator<Item = Self> {
-        (0..=Self::ALL_ROWS)
-            .filter(|mask| mask.count_ones() == 6)
+        (0..1 << 9)
+            .filter(|mask: &u16| mask.count_ones() == 6)
             .map(|mask| Self { mask })
     }
 
@@ -63,42 +57,16 @@ impl SixRows {
         (0..9).filter(move |row| self.mask >> row & 1 == 1)
     }
 
-    /// The motion that this choice cannot see wherever the targets are; `None` for the 78 good
-    /// choices.
-    ///
-    /// - ①②③④⑤⑥, ①②③⑦⑧⑨, ④⑤⑥⑦⑧⑨ hold all coordinates of two targets and none of the third. Turning
-    ///   the stage about the line through the two moves neither: for PQ, `ε = P - Q` and
-    ///   `δ = -ε × P` give `Δ_P = Δ_Q = 0`. (Their distance is measured twice instead.)
-    /// - ①②④⑤⑦⑧, ①③④⑥⑦⑨, ②③⑤⑥⑧⑨ hold no z, no y, no x: the column of δz, δy, δx is zero.
-    ///
-    /// The other choices have a determinant that is not zero for all targets. The paper's rule
-    /// (one row at least from each target, and not the last three) says the same.
-    pub fn unseen(self) -> Option<UnseenMotion> {
-        const TARGET: u16 = 0b111;
-        const COORDINATE: u16 = 0b1_001_001;
-        let left_out = Self::ALL_ROWS & !self.mask;
-        let target = (0..3).find(|j| left_out == TARGET << (3 * j));
-        let coordinate = (0..3).find(|&i| left_out == COORDINATE << i);
-        target
-            .map(|j| [(1, 2), (0, 2), (0, 1)][j])
-            .map(|(first, second)| UnseenMotion::RotationAbout(first, second))
-            .or(coordinate.map(UnseenMotion::DisplacementAlong))
-    }
-
     /// Solves the six equations exactly (the paper's Eqs. 10 and 17 for [`SixRows::PAPER`]); the other three
     /// coordinates have no influence.
     ///
     /// `r` holds the generalised coordinates of P, Q, K relative to the reference point of δ, mm.
     ///
     /// # Errors
-    /// [`Error::BlindRows`] for the six choices that never work, [`Error::SingularRows`] if this
-    /// choice does not work for these targets (condition number above 1e6: a shift of the targets
-    /// by 1e-6 of their distances could make it singular), [`Error::NotFinite`],
-    /// [`Error::Collinear`].
+    /// [`Error::SingularRows`] if this choice does not work for these targets (condition number above
+    /// 1e6: a shift of the targets by 1e-6 of their distances could make it singular), or for any,
+    /// [`Error::NotFinite`], [`Error::Collinear`].
     pub fn operator(self, r: &[Vector3<f64>; 3]) -> Result<Operator, Error> {
-        if let Some(unseen) = self.unseen() {
-            return Err(Error::BlindRows { rows: self, unseen });
-        }
         let centred = CentredTargets::new(r)?;
         let matrix = self.select(&centred);
         let condition = condition_number(&matrix);
@@ -109,7 +77,7 @@ impl SixRows {
                 rows: self,
                 condition,
                 // Moving δ does not change the determinant, scaling ε does.
-                determinant_mm3: matrix.determinant() * centred.gyration_mm().powi(3),
+                determinant_mm3: matrix.determinant() * centred.gyration_mm.powi(3),
             })?;
         let mut solution = OMatrix::<f64, U6, Dyn>::zeros(9);
         for (row, column) in self.rows().zip(inverse.column_iter()) {
@@ -148,20 +116,5 @@ impl fmt::Display for SixRows {
         const CIRCLED: [char; 9] = ['①', '②', '③', '④', '⑤', '⑥', '⑦', '⑧', '⑨'];
         self.rows()
             .try_for_each(|row| write!(f, "{}", CIRCLED[row]))
-    }
-}
-
-impl fmt::Display for UnseenMotion {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::RotationAbout(first, second) => {
-                let name = ['P', 'Q', 'K'];
-                let (first, second) = (name[first], name[second]);
-                write!(f, "the rotation about the line {first}{second}")
-            }
-            Self::DisplacementAlong(i) => {
-                write!(f, "the displacement along {}", ['x', 'y', 'z'][i])
-            }
-        }
     }
 }

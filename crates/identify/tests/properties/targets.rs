@@ -75,6 +75,12 @@ pub(crate) fn condition_number(rows: SixRows, r: &[Vector3<f64>; 3]) -> f64 {
     singular_values.max() / singular_values.min()
 }
 
+/// Whether a choice of rows leaves out a target or a coordinate, which the paper's section 4.1.1 excludes.
+pub(crate) fn is_blind(rows: SixRows) -> bool {
+    let left_out = |of: fn(usize) -> usize, k: usize| rows.rows().all(|row| of(row) != k);
+    (0..3).any(|k| left_out(|row| row / 3, k) || left_out(|row| row % 3, k))
+}
+
 /// `|δ| + reach |ε|` of the difference over that of `expected`.
 pub(crate) fn relative_difference(found: &MotionError, expected: &MotionError, reach: f64) -> f64 {
     let size = |e: MotionError| e.translation_mm.norm() + reach * e.rotation_rad.norm();

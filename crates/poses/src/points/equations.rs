@@ -207,12 +207,12 @@ fn refused(campaign: &Campaign, step: usize, targets: &[usize], error: &Identify
             format!("{in_words}: targets {names}: {error}"),
             "place one target well away from the line through the others",
         ),
-        Identify::BlindRows { .. }
-        | Identify::SingularRows { .. }
-        | Identify::NearSingularRows { .. } => Error::not_identifiable(
-            format!("{in_words}: targets {names}: {error}"),
-            "use the method nine, or move a target",
-        ),
+        Identify::SingularRows { .. } | Identify::NearSingularRows { .. } => {
+            Error::not_identifiable(
+                format!("{in_words}: targets {names}: {error}"),
+                "use the method nine, or move a target",
+            )
+        }
         Identify::TargetCount { measured, .. } => Error::not_identifiable(
             format!("{in_words}: the method six needs three targets, found {measured}"),
             "use the method nine",
