@@ -78,5 +78,4 @@ pub use rand_chacha::ChaCha8Rng;
 pub use settings::{Settings, Trials};
 pub use stability::{OutputStability, Stability};
 pub use summary::{Scatter, Summary};
-pub use tolerance::numerical_tolerance;
 pub use validate::{FirstOrder, Outcome, Validation, chance_of_ratio, validate};

@@ -11,17 +11,19 @@ pub(crate) struct Moments {
 }
 
 impl Moments {
+    /// Of no values.
+    pub(crate) const NONE: Self = Self {
+        count: 0,
+        mean: 0.0,
+        squares: 0.0,
+    };
+
     /// Of values in their order, so that the bits do not depend on how they were made.
     pub(crate) fn of(values: &[f64]) -> Self {
-        let count = values.len();
         let Some(first) = values.first() else {
-            return Self {
-                count,
-                mean: 0.0,
-                squares: 0.0,
-            };
+            return Self::NONE;
         };
-        let n = count as f64;
+        let n = values.len() as f64;
         let shift = values.iter().map(|value| value - first).sum::<f64>() / n;
         let mean = first + shift;
         let (sum, squares) = values.iter().fold((0.0, 0.0), |(sum, squares), value| {
@@ -31,7 +33,7 @@ impl Moments {
         // What rounding left in the mean, taken out again.
         let squares = squares - sum * sum / n;
         Self {
-            count,
+            count: values.len(),
             mean,
             squares: if squares < 0.0 { 0.0 } else { squares },
         }

@@ -98,15 +98,15 @@ fn run<M: Model>(
         } => {
             let mut blocks = Blocks::new(settings.coverage, significant_digits);
             loop {
-                append(&mut values, blocks.trials())?;
+                append(&mut values, blocks.trials)?;
                 let stability = blocks.add(&values)?;
-                if stability.stabilised || most - values.trials() < blocks.trials() {
+                if stability.stabilised || most - values.trials < blocks.trials {
                     break Some(stability);
                 }
             }
         }
     };
-    let trials = values.trials();
+    let trials = values.trials;
     let coverage = settings.coverage;
     let ranks =
         coverage::ranks(trials, coverage).ok_or(Error::TooFewTrials { trials, coverage })?;

@@ -61,7 +61,8 @@ pub(crate) fn block_trials(coverage: f64) -> usize {
 #[derive(Debug, Clone)]
 pub(crate) struct Blocks {
     significant_digits: u32,
-    trials: usize,
+    /// Trials of one block.
+    pub(crate) trials: usize,
     coverage: f64,
     made: usize,
     outputs: Vec<OutputBlocks>,
@@ -78,22 +79,17 @@ impl Blocks {
         }
     }
 
-    /// Trials of one block.
-    pub(crate) fn trials(&self) -> usize {
-        self.trials
-    }
-
     /// Takes in the last batch of `values` as the next block.
     pub(crate) fn add(&mut self, values: &Values) -> Result<Stability, Error> {
         let (trials, coverage) = (self.trials, self.coverage);
         let ranks =
             coverage::ranks(trials, coverage).ok_or(Error::TooFewTrials { trials, coverage })?;
         let block = values.map_outputs(Part::LastBatch, |output, column| {
-            BlockFigures::of(output, column, ranks)
+            figures_of_block(output, column, ranks)
         })?;
-        self.outputs.resize(block.len(), OutputBlocks::none());
-        for (blocks, figures) in self.outputs.iter_mut().zip(&block) {
-            blocks.add(figures);
+        self.outputs.resize(block.len(), OutputBlocks::NONE);
+        for (blocks, (moments, figures)) in self.outputs.iter_mut().zip(&block) {
+            blocks.add(moments, figures);
         }
         self.made += 1;
         let digits = self.significant_digits;
@@ -107,67 +103,55 @@ impl Blocks {
     }
 }
 
-/// What one block says about one output.
-#[derive(Debug, Clone, Copy)]
-struct BlockFigures {
-    moments: Moments,
-    low: f64,
-    high: f64,
-}
+/// Mean, u, and the lower and upper end of the symmetric interval of an output.
+type Figures<T> = [T; 4];
 
-impl BlockFigures {
-    fn of(output: usize, values: &mut [f64], ranks: Ranks) -> Result<Self, Error> {
-        let moments = Moments::of(values);
-        if !(moments.mean.is_finite() && moments.standard_deviation().is_finite()) {
-            return Err(Error::Overflow { output });
-        }
-        values.sort_unstable_by(f64::total_cmp);
-        let interval = coverage::symmetric(values, ranks);
-        let (low, high) = (interval.low, interval.high);
-        Ok(Self { moments, low, high })
+/// What one block says about one output.
+fn figures_of_block(
+    output: usize,
+    values: &mut [f64],
+    ranks: Ranks,
+) -> Result<(Moments, Figures<f64>), Error> {
+    let moments = Moments::of(values);
+    let (mean, u) = (moments.mean, moments.standard_deviation());
+    if !(mean.is_finite() && u.is_finite()) {
+        return Err(Error::Overflow { output });
     }
+    values.sort_unstable_by(f64::total_cmp);
+    let interval = coverage::symmetric(values, ranks);
+    Ok((moments, [mean, u, interval.low, interval.high]))
 }
 
 /// What the blocks so far say about one output.
 #[derive(Debug, Clone, Copy)]
 struct OutputBlocks {
     all_values: Moments,
-    mean: Moments,
-    u: Moments,
-    low: Moments,
-    high: Moments,
+    figures: Figures<Moments>,
 }
 
 impl OutputBlocks {
-    fn none() -> Self {
-        let nothing = Moments::of(&[]);
-        Self {
-            all_values: nothing,
-            mean: nothing,
-            u: nothing,
-            low: nothing,
-            high: nothing,
-        }
-    }
+    const NONE: Self = Self {
+        all_values: Moments::NONE,
+        figures: [Moments::NONE; 4],
+    };
 
-    fn add(&mut self, block: &BlockFigures) {
-        let with = |figures: &Moments, figure: f64| figures.merged(&Moments::of(&[figure]));
-        self.all_values = self.all_values.merged(&block.moments);
-        self.mean = with(&self.mean, block.moments.mean);
-        self.u = with(&self.u, block.moments.standard_deviation());
-        self.low = with(&self.low, block.low);
-        self.high = with(&self.high, block.high);
+    fn add(&mut self, moments: &Moments, figures: &Figures<f64>) {
+        self.all_values = self.all_values.merged(moments);
+        for (all, &figure) in self.figures.iter_mut().zip(figures) {
+            *all = all.merged(&Moments::of(&[figure]));
+        }
     }
 
     fn stability(&self, significant_digits: u32) -> OutputStability {
         let u = self.all_values.standard_deviation();
+        let [mean, u_scatter, low, high] = self.figures.map(|all| all.mean_scatter());
         OutputStability {
             tolerance: numerical_tolerance(u, significant_digits),
             scatter: Scatter {
-                mean: self.mean.mean_scatter(),
-                u: self.u.mean_scatter(),
-                low: self.low.mean_scatter(),
-                high: self.high.mean_scatter(),
+                mean,
+                u: u_scatter,
+                low,
+                high,
             },
         }
     }
@@ -194,11 +178,11 @@ mod tests {
     /// Three blocks of two values: s of the average is that of 7.9.4, Σ(x - x̄)² / (h (h - 1)).
     #[test]
     fn scatter_of_the_averages_over_blocks() {
-        let mut blocks = OutputBlocks::none();
-        for values in [[0.0, 4.0], [1.0, 3.0], [3.0, 7.0]] {
-            let (low, high) = (values[0], values[1]);
-            let moments = Moments::of(&values);
-            blocks.add(&BlockFigures { moments, low, high });
+        let mut blocks = OutputBlocks::NONE;
+        for [low, high] in [[0.0, 4.0], [1.0, 3.0], [3.0, 7.0]] {
+            let moments = Moments::of(&[low, high]);
+            let figures = [moments.mean, moments.standard_deviation(), low, high];
+            blocks.add(&moments, &figures);
         }
         let found = blocks.stability(1);
         // Means 2, 2, 5; u √8, √2, √8; low 0, 1, 3; high 4, 3, 7; u of all √6.

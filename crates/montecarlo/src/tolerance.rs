@@ -22,7 +22,7 @@ pub(crate) fn check_digits(significant_digits: u32) -> Result<(), Error> {
 ///
 /// An uncertainty of 0 (an output that does not vary) has the tolerance 0. Less than one digit
 /// counts as one, more than 15 as 15.
-pub fn numerical_tolerance(u: f64, significant_digits: u32) -> f64 {
+pub(crate) fn numerical_tolerance(u: f64, significant_digits: u32) -> f64 {
     if !u.is_finite() || u.abs() < f64::MIN_POSITIVE {
         return 0.0;
     }

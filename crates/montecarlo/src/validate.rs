@@ -4,16 +4,13 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 use crate::coverage::Interval;
 use crate::error::Error;
-use crate::summary::{Scatter, Summary};
+use crate::summary::Summary;
 use crate::tolerance::{check_digits, numerical_tolerance};
 
 /// A difference of up to this many of its standard deviations is attributed to the Monte Carlo. Over both
 /// ends of a thousand outputs, the chance that scatter alone gives any of them a wrong outcome is
 /// 6 %; with two standard deviations it would be a certainty.
 const SCATTER_FACTOR: f64 = 4.0;
-
-/// Clause 8.2: the Monte Carlo should be stable to this part of the tolerance.
-const SUFFICIENT_PART: f64 = 0.2;
 
 /// A result of the law of propagation of uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,19 +89,8 @@ pub struct Validation {
     pub d_low: f64,
     /// `d_high`, distance of the upper ends.
     pub d_high: f64,
-    /// Scatter of the Monte Carlo; `d_low` and `d_high` scatter by its `low` and `high`.
-    pub scatter: Scatter,
     /// What follows.
     pub outcome: Outcome,
-}
-
-impl Validation {
-    /// Whether there were as many trials as clause 8.2 recommends: twice the scatter of mean, u and
-    /// both ends within a fifth of the tolerance. More trials may decide an undecided outcome even
-    /// then, and fewer may do for a clear one.
-    pub fn trials_suffice(&self) -> bool {
-        2.0 * self.scatter.largest() <= SUFFICIENT_PART * self.tolerance
-    }
 }
 
 /// Compares a first-order result with the probabilistically symmetric interval of the Monte Carlo.
@@ -150,7 +136,6 @@ pub fn validate(
         tolerance,
         d_low,
         d_high,
-        scatter,
         outcome,
     })
 }
@@ -158,6 +143,7 @@ pub fn validate(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Scatter;
 
     /// Abramowitz and Stegun, Table 26.8: chi-squared with 100 degrees of freedom is above 149.449 with 0.001.
     #[test]
@@ -217,7 +203,6 @@ mod tests {
             assert!((found.d_low - (low + 2.0).abs()).abs() < 1e-12);
             assert!((found.d_high - (high - 2.0).abs()).abs() < 1e-12);
             assert!((found.tolerance - 0.05).abs() < 1e-15);
-            assert_eq!(found.trials_suffice(), scatter < 0.005);
         }
     }
 

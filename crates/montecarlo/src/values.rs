@@ -28,7 +28,7 @@ pub(crate) enum Part {
 #[derive(Clone, Default)]
 pub(crate) struct Values {
     outputs: usize,
-    trials: usize,
+    pub(crate) trials: usize,
     batches: Vec<Vec<f64>>,
 }
 
@@ -48,10 +48,6 @@ impl Values {
             outputs,
             ..Self::default()
         }
-    }
-
-    pub(crate) fn trials(&self) -> usize {
-        self.trials
     }
 
     /// Makes further trials, numbered on from those that are there.
