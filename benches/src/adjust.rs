@@ -2,9 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_campaign::Campaign;
-use trueaxis_multilateration::{
-    Network, Refined, Settings, Solution, Station, Trials, refine, solve,
-};
+use trueaxis_multilateration::{Network, Refined, Solution, Station, Trials, refine, solve};
 use trueaxis_poses::network_from_campaign;
 
 /// What the points of a step have in common.
@@ -58,7 +56,7 @@ impl Problem {
             bodies: None,
             ..network.clone()
         };
-        let mut start = solve(&free, &Settings::default()).expect("a solution");
+        let mut start = solve(&free).expect("a solution");
         start.points_mm.clone_from(&network.nominal_mm);
         for (station, sign) in start
             .stations
@@ -88,7 +86,7 @@ impl Problem {
     /// If there is no solution.
     pub fn adjust(&self, model: Model) -> Solved<'_> {
         let network = self.network_of(model);
-        let refined = refine(network, &self.start, &Settings::default());
+        let refined = refine(network, &self.start);
         Solved(refined.expect("a solution"))
     }
 
@@ -97,7 +95,7 @@ impl Problem {
     /// # Panics
     /// If there is no solution.
     pub fn solve(&self, model: Model) -> f64 {
-        let solution = solve(self.network_of(model), &Settings::default());
+        let solution = solve(self.network_of(model));
         solution.expect("a solution").squares
     }
 
@@ -106,7 +104,7 @@ impl Problem {
     /// # Panics
     /// If there is no solution.
     pub fn trials(&self) -> Trials {
-        let solution = solve(&self.network, &Settings::default());
+        let solution = solve(&self.network);
         Trials::new(&self.network, &solution.expect("a solution"))
     }
 }

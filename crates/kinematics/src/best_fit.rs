@@ -86,6 +86,28 @@ mod tests {
         assert!((found.rotation.to_rotation_matrix().matrix().determinant() - 1.0).abs() < 1e-12);
     }
 
+    /// Thin and plane points, turned and shifted, come back to rounding.
+    #[test]
+    fn thin_and_plane_points_return() {
+        for thin in [1.0, 1e-2, 1e-3] {
+            for thick in [thin, 0.0] {
+                let place = |i: usize| {
+                    let wave = |k: f64| (k * (i as f64 + 0.3)).sin();
+                    Point3::new(wave(1.7), thin * wave(2.9), thick * wave(4.3)) * 500.0
+                };
+                let nominal: Vec<_> = (0..40).map(place).collect();
+                let turn = Vector3::new(0.02, -0.01, 0.03);
+                let away = Isometry3::new(Vector3::new(3.0, -7.0, 2.0), turn);
+                let moved: Vec<_> = nominal.iter().map(|p| away * p).collect();
+                let back = best_fit(&moved, &nominal);
+                for (moved, nominal) in moved.iter().zip(&nominal) {
+                    let left = (back * moved - nominal).norm();
+                    assert!(left < 1e-10, "{left} of {thin} and {thick}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn three_points_suffice() {
         let from = [[0.0, 0.0, 0.0], [100.0, 0.0, 0.0], [0.0, 80.0, 0.0]].map(Point3::from);

@@ -17,7 +17,8 @@ use crate::reduced::ReducedSolution;
 #[derive(Debug, Clone)]
 pub struct Covariance {
     shared: usize,
-    factors: Factors,
+    /// `R⁻¹` and `Z` of each block; the block's covariance with all shared unknowns held is `R⁻¹R⁻ᵀ`.
+    pub factors: Factors,
     reduced_inverse: DMatrix<f64>,
 }
 
@@ -38,37 +39,10 @@ impl Covariance {
         &self.reduced_inverse
     }
 
-    /// Rows and columns of `Σ`: the number of shared unknowns and datum multipliers.
-    pub fn width(&self) -> usize {
-        self.factors.width()
-    }
-
     /// Covariance of the shared unknowns.
     pub fn shared(&self) -> DMatrixView<'_, f64, U1, Dyn> {
         self.reduced_inverse
             .view((0, 0), (self.shared, self.shared))
-    }
-
-    /// Number of unknowns of block `i`.
-    pub fn unknowns(&self, i: usize) -> usize {
-        self.factors.unknowns(i)
-    }
-
-    /// `R⁻¹` of block `i`: upper triangular; the block's covariance with all shared unknowns held
-    /// is `R⁻¹R⁻ᵀ`.
-    pub fn inverse_factor(&self, i: usize) -> DMatrix<f64> {
-        self.factors.inverse_factor(i)
-    }
-
-    /// `Zᵀ` of block `i`: one row for each shared unknown and datum multiplier.
-    pub fn coupling_transposed(&self, i: usize) -> DMatrix<f64> {
-        self.factors.coupling_transposed(i)
-    }
-
-    /// The factors of the blocks of batch `b`, in the order in which they were eliminated.
-    #[inline(always)]
-    pub fn batch(&self, b: usize) -> BatchFactors<'_> {
-        self.factors.batch(b)
     }
 
     /// Covariance of block `i`.
@@ -103,13 +77,6 @@ impl Covariance {
         add_symmetric_product(&mut all, inverse_factor, inverse_factor.transposed());
         add_symmetric_product(&mut all, through, coupling.transposed());
         all
-    }
-
-    /// The part of the covariance between blocks `i` and `k` that comes through the shared
-    /// unknowns; for `i ≠ k` it is the whole.
-    pub fn between(&self, i: usize, k: usize) -> DMatrix<f64> {
-        let left = self.coupling_transposed(i).tr_mul(&self.reduced_inverse);
-        left * self.coupling_transposed(k)
     }
 }
 

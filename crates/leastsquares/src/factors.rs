@@ -75,8 +75,8 @@ impl Factors {
             }));
     }
 
-    /// Columns of `Z`.
-    pub(crate) fn width(&self) -> usize {
+    /// Columns of `Z`: the number of shared unknowns and datum multipliers.
+    pub fn width(&self) -> usize {
         self.width
     }
 
@@ -85,9 +85,9 @@ impl Factors {
         self.batches.len()
     }
 
-    /// Batch `b`.
+    /// Batch `b`, in the order in which they were eliminated.
     #[inline(always)]
-    pub(crate) fn batch(&self, b: usize) -> BatchFactors<'_> {
+    pub fn batch(&self, b: usize) -> BatchFactors<'_> {
         let Place {
             ref blocks,
             unknowns: n,
@@ -113,17 +113,17 @@ impl Factors {
     }
 
     /// Number of unknowns of block `i`.
-    pub(crate) fn unknowns(&self, i: usize) -> usize {
+    pub fn unknowns(&self, i: usize) -> usize {
         self.batch_of(i).coupling.rows()
     }
 
-    /// `R⁻¹` of block `i`.
+    /// `R⁻¹` of block `i`: upper triangular.
     pub fn inverse_factor(&self, i: usize) -> DMatrix<f64> {
         let batch = self.batch_of(i);
         batch.matrix_in_lane(i, batch.inverse_factor)
     }
 
-    /// `Zᵀ` of block `i`.
+    /// `Zᵀ` of block `i`: one row for each shared unknown and datum multiplier.
     pub fn coupling_transposed(&self, i: usize) -> DMatrix<f64> {
         let batch = self.batch_of(i);
         batch.matrix_in_lane(i, batch.coupling.transposed())

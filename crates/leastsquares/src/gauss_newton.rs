@@ -70,25 +70,6 @@ pub trait Adjustment {
     fn settle(&self, state: &mut Self::State);
 }
 
-/// When to stop.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
-    /// Most iterations.
-    pub max_iterations: usize,
-    /// Converged when the correction that would follow, by estimate, is shorter than this, in units of
-    /// standard uncertainty: no result would then move by more than about this fraction of its `u`.
-    pub correction_tol: f64,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            max_iterations: 50,
-            correction_tol: 1e-6,
-        }
-    }
-}
-
 /// Why the iteration stopped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Termination {
@@ -171,6 +152,13 @@ impl<S: Clone> Adjusted<S> {
     }
 }
 
+/// Most iterations.
+const MAX_ITERATIONS: usize = 50;
+
+/// Converged when the correction that would follow, by estimate, is shorter than this, in units of
+/// standard uncertainty: no result would then move by more than about this fraction of its `u`.
+const CORRECTION_TOL: f64 = 1e-6;
+
 /// Halvings of a step before giving up: 2⁻²⁰ of a correction is no progress.
 const MAX_HALVINGS: usize = 20;
 
@@ -192,11 +180,7 @@ const MOST_RATE: f64 = 0.1;
 /// # Errors
 /// Those of [`Adjustment::reduce`] and [`Reduced::shortest_correction`]. Not converging is no error; see
 /// [`Adjusted::termination`].
-pub fn adjust<M: Adjustment>(
-    model: &M,
-    start: &M::State,
-    settings: &Settings,
-) -> Result<Adjusted<M::State>, Error> {
+pub fn adjust<M: Adjustment>(model: &M, start: &M::State) -> Result<Adjusted<M::State>, Error> {
     let (mut state, mut next) = (start.clone(), start.clone());
     let mut linearised = M::Linearised::default();
     let mut iterations = 0;
@@ -214,14 +198,13 @@ pub fn adjust<M: Adjustment>(
         let mut squares = system.squares();
         iterations += 1;
 
-        let tolerance = settings.correction_tol;
         let from = (&state, &mut linearised);
-        let termination = if rate * correction <= tolerance {
+        let termination = if rate * correction <= CORRECTION_TOL {
             squares = model.step(from, &shortest.shared, 1.0, &mut next);
             std::mem::swap(&mut state, &mut next);
             Termination::Converged {
                 correction: rate * correction,
-                tolerance,
+                tolerance: CORRECTION_TOL,
             }
         } else {
             match descend(model, from, &shortest, squares, &mut next)? {
@@ -232,7 +215,7 @@ pub fn adjust<M: Adjustment>(
                         true => whole_steps.clear(),
                         false => whole_steps.push(correction),
                     }
-                    if iterations < settings.max_iterations {
+                    if iterations < MAX_ITERATIONS {
                         system = system_there?;
                         continue;
                     }

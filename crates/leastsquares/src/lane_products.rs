@@ -71,12 +71,6 @@ impl<'a, E: Element> View<'a, E> {
         }
     }
 
-    /// The same, columns one after the other.
-    #[inline(always)]
-    pub fn by_columns(elements: &'a [E], [rows, columns]: [usize; 2]) -> Self {
-        Self::by_rows(elements, [columns, rows]).transposed()
-    }
-
     /// The transpose.
     #[inline(always)]
     pub fn transposed(self) -> Self {
@@ -271,7 +265,7 @@ mod tests {
     #[should_panic(expected = "rows in order")]
     fn a_transpose_has_no_contiguous_rows() {
         let elements = lanes(4 * 3, 0.7);
-        LaneMatrix::by_columns(&elements, [4, 3]).row(1);
+        LaneMatrix::by_rows(&elements, [3, 4]).transposed().row(1);
     }
 
     #[test]
@@ -285,10 +279,10 @@ mod tests {
             (2, 3, 0),
         ] {
             let (a, b) = (lanes(n * k, 0.3), lanes(k * m, 1.1));
-            let a = LaneMatrix::by_columns(&a, [n, k]);
+            let a = LaneMatrix::by_rows(&a, [k, n]).transposed();
             let right = LaneMatrix::by_rows(&b, [k, m]);
             let numbers: Vec<f64> = b.iter().map(|b| b.0[0]).collect();
-            let shared = SharedMatrix::by_columns(&numbers, [k, m]);
+            let shared = SharedMatrix::by_rows(&numbers, [m, k]).transposed();
             let mut sums = [(); 3].map(|()| vec![Lanes::splat(1.0); n * m]);
             let mut square = vec![Lanes::ZERO; n * n];
             add_product(&mut sums[0], a, right);

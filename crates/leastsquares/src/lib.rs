@@ -79,7 +79,7 @@ pub use dot::dot;
 pub use error::Error;
 pub use factors::{BatchFactors, Factors};
 pub use free_gauge::Correction;
-pub use gauss_newton::{Adjusted, Adjustment, Settings, Termination, adjust};
+pub use gauss_newton::{Adjusted, Adjustment, Termination, adjust};
 pub use half_waves::{half_waves, matern_roots};
 pub use hat_rows::HatRows;
 pub use lane_sums::LaneSums;

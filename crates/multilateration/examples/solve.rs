@@ -3,7 +3,7 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use nalgebra::Point3;
-use trueaxis_multilateration::{Network, Reading, Settings, Visit, solve};
+use trueaxis_multilateration::{Network, Reading, Visit, solve};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let truth = [
@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             });
         }
     }
-    let solution = solve(&network, &Settings::default())?;
+    let solution = solve(&network)?;
     assert!((solution.stations[2].position_mm - truth[2].0).norm() < 1e-6);
     assert!((solution.stations[2].dead_path_mm - 56.0).abs() < 1e-6);
     assert_eq!(solution.degrees_of_freedom(), 108 - (81 + 16 - 6));

@@ -34,7 +34,7 @@ pub(crate) struct GroupAdjustment<'a> {
 impl<'a> GroupAdjustment<'a> {
     /// The model of a network with these groups.
     pub(crate) fn new(network: &'a Network, batches: &Arc<Vec<Batch>>) -> Self {
-        let deformations = deformations(network);
+        let deformations = Deformations::new(network);
         Self {
             network,
             datum: Datum::new(network),
@@ -109,7 +109,7 @@ impl<'a> GroupAdjustment<'a> {
             equations,
             ..
         } = memory;
-        weights.resize(batch.weights(), Lanes::ZERO);
+        weights.resize(batch.layout.weights, Lanes::ZERO);
         fill_weights(batch, &self.network.noise, beams, factor, weights);
         for (first, count, weights) in by_visit(batch, weights) {
             equations.whiten(first, count, weights);
@@ -153,10 +153,4 @@ impl<'a> GroupAdjustment<'a> {
             }
         }
     }
-}
-
-/// The deformations of the bodies of a network: behind stations and dead paths.
-pub(crate) fn deformations(network: &Network) -> Deformations {
-    let behind = PER_STATION * network.stations.len() + network.interruptions.len();
-    Deformations::new(network.bodies.as_deref(), behind)
 }

@@ -63,7 +63,7 @@ impl Solution {
 }
 
 fn test_all(influence: &BatchInfluence<'_>) -> Tests {
-    let network = influence.network();
+    let network = influence.model.network;
     let by_group = network.visits_by_group();
     let batches = influence.batches();
     let tested = influence.of_pieces(

@@ -21,7 +21,6 @@ use trueaxis_leastsquares::{
 
 use crate::adjustment::GroupAdjustment;
 use crate::batches::Batch;
-use crate::datum::Datum;
 use crate::memory::{Gauge, Memory};
 use crate::noise::factor_len;
 use crate::slots::SlotVisit;
@@ -35,9 +34,8 @@ const PIECE: usize = 32;
 
 /// A solved network, ready to say what each batch contributed.
 pub(crate) struct BatchInfluence<'a> {
-    network: &'a Network,
-    model: GroupAdjustment<'a>,
-    state: State,
+    pub(crate) model: GroupAdjustment<'a>,
+    pub(crate) state: State,
     covariance: &'a Covariance,
 }
 
@@ -58,35 +56,20 @@ pub(crate) struct BatchRows {
 impl<'a> BatchInfluence<'a> {
     /// `network` must be the one that `solution` solved.
     pub(crate) fn new(network: &'a Network, solution: &'a Solution) -> Self {
-        let state = solution.state();
-        let model = GroupAdjustment::new(network, &solution.batches);
         Self {
-            network,
-            model,
-            state,
+            model: GroupAdjustment::new(network, &solution.batches),
+            state: solution.state(),
             covariance: &solution.covariance,
         }
-    }
-
-    pub(crate) fn network(&self) -> &'a Network {
-        self.network
     }
 
     pub(crate) fn batches(&self) -> &Arc<Vec<Batch>> {
         &self.model.batches
     }
 
-    pub(crate) fn state(&self) -> &State {
-        &self.state
-    }
-
-    pub(crate) fn datum(&self) -> &Datum {
-        &self.model.datum
-    }
-
     /// Number of columns of `T`.
     pub(crate) fn width(&self) -> usize {
-        self.covariance.width()
+        self.covariance.factors.width()
     }
 
     /// `Σ`.
@@ -97,7 +80,7 @@ impl<'a> BatchInfluence<'a> {
     /// `R⁻¹` and `Z` of batch `b`.
     #[inline(always)]
     pub(crate) fn factors(&self, b: usize) -> BatchFactors<'_> {
-        self.covariance.batch(b)
+        self.covariance.factors.batch(b)
     }
 
     /// `Σ` for products in lanes.
@@ -173,7 +156,12 @@ impl<'a> BatchInfluence<'a> {
         there.clear();
         for slot in 0..batch.slots() {
             let distance_mm = memory.beams.of_slots[slot].distance_mm;
-            variances.push(own_variance(batch, &self.network.noise, slot, distance_mm));
+            variances.push(own_variance(
+                batch,
+                &self.model.network.noise,
+                slot,
+                distance_mm,
+            ));
             there.push(is_read(batch, slot) * mask);
         }
         unit_errors.clear();

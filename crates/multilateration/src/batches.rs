@@ -95,7 +95,7 @@ fn piece(
     let mut slots = Slots::default();
     let batch = |groups: &Range<usize>| {
         slots.take(network, by_group, groups.clone());
-        let layout = Arc::clone(slots.layout());
+        let layout = Arc::clone(&slots.layout);
         let first = network.groups[groups.start].start;
         let points = network.groups[groups.start].len();
         let last = groups.len() - 1;
@@ -272,11 +272,6 @@ impl Batch {
             Some(_) => POSE,
             None => 3 * self.points,
         }
-    }
-
-    /// Number of weights: the triangles of all visits.
-    pub(crate) fn weights(&self) -> usize {
-        self.layout.weights
     }
 
     /// Number of the group in a lane, and of its readings.

@@ -52,7 +52,8 @@ impl Solution {
     /// The part of the covariance of the shared sources that comes from what is known beside the lengths, with
     /// its uncertainty: `Σ KᵀK Σ` for whitened rows `K`. `network` must be the one that was solved.
     pub fn known_noise(&self, network: &Network) -> DMatrix<f64> {
-        let (sigma, width) = (self.covariance.reduced_inverse(), self.covariance.width());
+        let sigma = self.covariance.reduced_inverse();
+        let width = sigma.ncols();
         let mut known = DMatrix::zeros(width, width);
         for row in self.known_rows(network) {
             let mut through = DVector::zeros(width);
@@ -123,8 +124,9 @@ impl BlockNoise<'_> {
     /// # Panics
     /// If there is no such group.
     pub fn block(&self, group: usize) -> (DMatrix<f64>, DMatrix<f64>) {
-        let factor = self.covariance.inverse_factor(group);
-        let coupling = self.covariance.coupling_transposed(group).transpose();
+        let factors = &self.covariance.factors;
+        let factor = factors.inverse_factor(group);
+        let coupling = factors.coupling_transposed(group).transpose();
         match &self.of_lengths {
             None => (&factor * factor.transpose(), coupling),
             Some(blocks) => {

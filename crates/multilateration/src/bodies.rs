@@ -3,7 +3,8 @@
 use nalgebra::{DVector, Isometry3, Point3, Vector3};
 use trueaxis_kinematics::centroid;
 
-use crate::Error;
+use crate::state::PER_STATION;
+use crate::{Error, Network};
 
 /// Targets that keep their distances.
 #[derive(Debug, Clone, PartialEq)]
@@ -148,13 +149,13 @@ pub(crate) struct Deformations {
 }
 
 impl Deformations {
-    /// Behind as many shared unknowns as stations and dead paths are.
-    pub(crate) fn new(bodies: Option<&Bodies>, behind: usize) -> Self {
+    /// The deformations of the bodies of a network: behind stations and dead paths.
+    pub(crate) fn new(network: &Network) -> Self {
         let mut new = Self {
-            shared: behind,
+            shared: PER_STATION * network.stations.len() + network.interruptions.len(),
             ..Self::default()
         };
-        for body in bodies.iter().flat_map(|bodies| &bodies.bodies) {
+        for body in network.bodies.iter().flat_map(|bodies| &bodies.bodies) {
             let own = body.deformations();
             new.first.push(new.shared);
             new.shared += own.len();

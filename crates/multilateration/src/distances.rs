@@ -8,7 +8,7 @@
 
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
-use crate::adjustment::deformations;
+use crate::bodies::Deformations;
 use crate::{Corrections, Network, Solution};
 
 /// Two points whose distance does not change.
@@ -50,7 +50,7 @@ impl Solution {
     /// # Panics
     /// If there is no such body, group or point.
     pub fn distances(&self, network: &Network, pairs: &[Pair]) -> Distances {
-        let (count, width) = (pairs.len(), self.covariance.width());
+        let (count, width) = (pairs.len(), self.covariance.factors.width());
         let mut found = Distances {
             values_mm: Vec::with_capacity(count),
             of_shared: DMatrix::zeros(count, width),
@@ -80,9 +80,9 @@ impl Solution {
                 found.of_shared[(k, column)] += g;
             }
             if let Some((group, h)) = &of_group {
-                let through = self.covariance.coupling_transposed(*group) * h;
+                let through = self.covariance.factors.coupling_transposed(*group) * h;
                 found.of_shared.row_mut(k).tr_copy_from(&-through);
-                let factor = self.covariance.inverse_factor(*group);
+                let factor = self.covariance.factors.inverse_factor(*group);
                 let own = factor.tr_mul(h);
                 for (other, seen) in found.of_groups.iter().enumerate() {
                     if let Some((_, h)) = seen.as_ref().filter(|(other, _)| other == group) {
@@ -127,7 +127,7 @@ fn deformed(
     [a, b]: [usize; 2],
     beam_mm: Vector3<f64>,
 ) -> Vec<(usize, f64)> {
-    let all = deformations(network);
+    let all = Deformations::new(network);
     let unit = beam_mm.normalize();
     let place = |deformation: &DVector<f64>, p: usize| -> Vector3<f64> {
         deformation.fixed_rows::<3>(3 * p).into_owned()

@@ -74,8 +74,7 @@ pub use reflector_set::{USUAL_DIFFERENCE_MM, adjust_as_a_set, solve_as_a_set};
 pub use reflectors::{Reflectors, contrast};
 pub use solution::{Solution, Station};
 pub use solve::{
-    MIN_STATIONS, MIN_STATIONS_PER_POINT, Refined, Settings, refine, solve, solve_from,
-    solve_with_noise,
+    MIN_STATIONS, MIN_STATIONS_PER_POINT, Refined, refine, solve, solve_from, solve_with_noise,
 };
 pub use start::Start;
 pub use trials::{Corrections, Trials, Workspace};

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::Point3;
 
+use crate::noise::factor_len;
 use crate::{Bodies, Error, Noise, Reflectors};
 
 /// Lengths between stations and points.
@@ -234,6 +235,15 @@ impl Network {
     /// The readings of a visit.
     pub(crate) fn readings_of(&self, visit: &Visit) -> &[Reading] {
         &self.readings[visit.readings.clone()]
+    }
+
+    /// Where the triangle of each visit starts, one behind the other ([`factor_len`]), and behind them where they end.
+    pub(crate) fn factor_starts(&self) -> Vec<usize> {
+        let mut starts = vec![0];
+        for visit in &self.visits {
+            starts.push(starts[starts.len() - 1] + factor_len(visit.readings.len()));
+        }
+        starts
     }
 
     /// Index of a point of a group among all points.

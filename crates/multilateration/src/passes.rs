@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use nalgebra::{Isometry3, Point3};
+use trueaxis_kinematics::best_fit;
 use trueaxis_leastsquares::{
     Adjustment, BlockBatch, Error as LeastSquaresError, Factors, Lanes, Reduced,
 };
@@ -113,8 +114,7 @@ impl Adjustment for GroupAdjustment<'_> {
     }
 
     fn settle(&self, state: &mut State) {
-        let motion = self.datum.motion(self.network, &state.points);
-        state.move_by(&motion);
+        state.move_by(&best_fit(&state.points, &self.network.nominal_mm));
     }
 }
 
@@ -301,7 +301,7 @@ impl GroupAdjustment<'_> {
 impl Linearised {
     /// Makes room for what some batches leave.
     fn fit(&mut self, batches: &[Batch]) {
-        let weights = batches.iter().map(Batch::weights).sum();
+        let weights = batches.iter().map(|b| b.layout.weights).sum();
         self.weights.resize(weights, Lanes::ZERO);
         let kept = batches.iter().map(|b| BlockBatch::kept_len(b.unknowns()));
         self.eliminated.resize(kept.sum(), Lanes::ZERO);
@@ -324,7 +324,7 @@ impl Part<'_> {
         Part {
             points: next(&mut self.points, groups * batch.points),
             poses: next(&mut self.poses, groups),
-            weights: next(&mut self.weights, batch.weights()),
+            weights: next(&mut self.weights, batch.layout.weights),
             eliminated: next(&mut self.eliminated, BlockBatch::kept_len(batch.unknowns())),
             factors: self.factors.as_deref_mut(),
         }

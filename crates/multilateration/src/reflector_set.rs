@@ -4,20 +4,16 @@ use std::sync::Arc;
 
 use crate::reflectors::Reflectors;
 use crate::solution::Solution;
-use crate::solve::{Settings, solve, solve_from};
+use crate::solve::{solve, solve_from};
 use crate::{Error, Network};
 
 /// Reflectors of a set for a laser tracker differ by no more, mm.
 pub const USUAL_DIFFERENCE_MM: f64 = 5e-3;
 
 /// Whether lengths tell less of the constants than that the reflectors are of one set: what they would leave of
-/// them is more than these differ by, and linear propagation is wrong there. Constants that are known beforehand
-/// are not open.
-fn are_open(network: &Network, solution: &Solution) -> bool {
-    let of_set = network.reflectors.as_ref();
-    let is_known = of_set.is_none_or(|reflectors| reflectors.sigma_mm.is_some());
-    let largest = solution.reflector_covariance().diagonal().amax();
-    !is_known && largest > USUAL_DIFFERENCE_MM.powi(2)
+/// them is more than these differ by, and linear propagation is wrong there.
+fn are_open(solution: &Solution) -> bool {
+    solution.reflector_covariance().diagonal().amax() > USUAL_DIFFERENCE_MM.powi(2)
 }
 
 /// Adjusts a network by `adjust`; where its lengths leave the constants of the reflectors open, and nothing is known
@@ -35,7 +31,7 @@ pub fn adjust_as_a_set<T, E>(
     let unknown = unknown.filter(|reflectors| reflectors.sigma_mm.is_none());
     let is_good = |adjusted: &T| {
         let solution = solution(adjusted);
-        solution.termination.is_converged() && !are_open(network, solution)
+        solution.termination.is_converged() && !are_open(solution)
     };
     match unknown {
         Some(unknown) if !adjusted.as_ref().is_ok_and(is_good) => {
@@ -54,17 +50,13 @@ pub fn adjust_as_a_set<T, E>(
 ///
 /// # Errors
 /// Those of [`solve`].
-pub fn solve_as_a_set(
-    network: &mut Network,
-    near: Option<&Solution>,
-    settings: &Settings,
-) -> Result<Solution, Error> {
+pub fn solve_as_a_set(network: &mut Network, near: Option<&Solution>) -> Result<Solution, Error> {
     adjust_as_a_set(
         network,
         |solution| solution,
         |network| match near {
-            Some(near) => solve_from(network, near, settings),
-            None => solve(network, settings),
+            Some(near) => solve_from(network, near),
+            None => solve(network),
         },
     )
 }

@@ -59,7 +59,8 @@ struct Key {
 /// The slots of one batch after the other.
 #[derive(Debug, Default)]
 pub(crate) struct Slots {
-    layout: Arc<Layout>,
+    /// Of the batch.
+    pub(crate) layout: Arc<Layout>,
     /// Slot and reading, group after group.
     places: Vec<(usize, usize)>,
     /// Where those of each group end.
@@ -93,11 +94,6 @@ impl Slots {
         if !of_groups.all(|group| self.place_by_plan(network, group, by_group.of(group))) {
             self.place_by_keys(network, by_group, groups);
         }
-    }
-
-    /// The slots of the batch.
-    pub(crate) fn layout(&self) -> &Arc<Layout> {
-        &self.layout
     }
 
     /// Slot and index of each reading of the `k`th group.

@@ -99,11 +99,6 @@ impl Solution {
         distance_mm - dead_path_mm + of_point.copied().unwrap_or_default()
     }
 
-    /// Covariance of the unknowns of a group: its free points (3 rows and columns each), or its pose.
-    pub fn group_covariance(&self, group: usize) -> DMatrix<f64> {
-        self.covariance.block(group)
-    }
-
     /// Covariance of a station and its dead path: x y z L, mm².
     pub fn station_covariance(&self, station: usize) -> Matrix4<f64> {
         let first = PER_STATION * station;

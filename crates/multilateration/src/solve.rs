@@ -13,13 +13,6 @@ use crate::state::{DATUM, PER_STATION, POSE, State, with_interruptions};
 use crate::undetermined::named;
 use crate::{Error, Network, Solution, Station};
 
-/// How to adjust.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Settings {
-    /// When the iteration stops.
-    pub iteration: trueaxis_leastsquares::Settings,
-}
-
 /// Self-calibration needs four stations: with three, every new point brings as many unknowns as
 /// lengths and the stations stay unknown.
 pub const MIN_STATIONS: usize = 4;
@@ -39,25 +32,24 @@ const MAX_OPEN_SIDES: usize = 8;
 /// # Errors
 /// If the network is malformed, or does not determine what is sought: see [`Error`]. Not
 /// converging is no error but a [`Solution::termination`].
-pub fn solve(network: &Network, settings: &Settings) -> Result<Solution, Error> {
+pub fn solve(network: &Network) -> Result<Solution, Error> {
     network.check()?;
     // Too few lengths are named before a start is sought in them.
     let batches = batches_of(network)?;
-    solve_from_start((network, &batches), start(network)?, settings)
+    solve_from_start((network, &batches), start(network)?)
 }
 
 /// Solves a checked network of these groups.
 pub(crate) fn solve_from_start(
     (network, batches): (&Network, &Arc<Vec<Batch>>),
     start: Start,
-    settings: &Settings,
 ) -> Result<Solution, Error> {
     let Start { state, images } = start;
-    let first = adjust_from(network, batches, state.clone(), settings);
+    let first = adjust_from(network, batches, state.clone());
     if images.iter().all(Option::is_none) {
         return first?.solution();
     }
-    choose_sides((network, batches), settings, &state, &images, first)
+    choose_sides((network, batches), &state, &images, first)
 }
 
 /// Adjusts a network from the solution of a similar one: the same stations and groups, other lengths, weights,
@@ -66,14 +58,10 @@ pub(crate) fn solve_from_start(
 ///
 /// # Errors
 /// Those of [`solve`].
-pub fn refine<'a>(
-    network: &'a Network,
-    near: &Solution,
-    settings: &Settings,
-) -> Result<Refined<'a>, Error> {
+pub fn refine<'a>(network: &'a Network, near: &Solution) -> Result<Refined<'a>, Error> {
     network.check()?;
     within_pool(network.groups.len().div_ceil(LANES), || {
-        refine_batches((network, &batches_of(network)?), near, settings)
+        refine_batches((network, &batches_of(network)?), near)
     })
 }
 
@@ -81,7 +69,6 @@ pub fn refine<'a>(
 fn refine_batches<'a>(
     (network, batches): (&'a Network, &Arc<Vec<Batch>>),
     near: &Solution,
-    settings: &Settings,
 ) -> Result<Refined<'a>, Error> {
     let (found, need) = (
         (near.stations.len(), near.points_mm.len()),
@@ -110,7 +97,7 @@ fn refine_batches<'a>(
     }
     Ok(Refined {
         mirror_image_open: near.mirror_image_open,
-        ..adjust_from(network, batches, state, settings)?
+        ..adjust_from(network, batches, state)?
     })
 }
 
@@ -118,12 +105,8 @@ fn refine_batches<'a>(
 ///
 /// # Errors
 /// Those of [`solve`].
-pub fn solve_from(
-    network: &Network,
-    near: &Solution,
-    settings: &Settings,
-) -> Result<Solution, Error> {
-    refine(network, near, settings)?.solution()
+pub fn solve_from(network: &Network, near: &Solution) -> Result<Solution, Error> {
+    refine(network, near)?.solution()
 }
 
 /// Solves a network again of which nothing but the noise differs from that of the solution `solved`: its groups are
@@ -131,13 +114,9 @@ pub fn solve_from(
 ///
 /// # Errors
 /// Those of [`solve`].
-pub fn solve_with_noise(
-    network: &Network,
-    solved: &Solution,
-    settings: &Settings,
-) -> Result<Solution, Error> {
+pub fn solve_with_noise(network: &Network, solved: &Solution) -> Result<Solution, Error> {
     network.noise.check()?;
-    refine_batches((network, &solved.batches), solved, settings)?.solution()
+    refine_batches((network, &solved.batches), solved)?.solution()
 }
 
 /// An adjusted network, yet without uncertainties.
@@ -196,11 +175,10 @@ fn adjust_from<'a>(
     network: &'a Network,
     batches: &Arc<Vec<Batch>>,
     start: State,
-    settings: &Settings,
 ) -> Result<Refined<'a>, Error> {
     within_pool(batches.len(), || {
         let model = GroupAdjustment::new(network, batches);
-        let adjusted = adjust(&model, &start, &settings.iteration)
+        let adjusted = adjust(&model, &start)
             .map_err(|error| ran_away(network, &model, &start, named(network, error)))?;
         Ok(Refined {
             model,
@@ -251,7 +229,6 @@ fn ran_away(network: &Network, model: &GroupAdjustment<'_>, start: &State, error
 /// Moving one station at a time would be cheaper, but gets stuck with two on the wrong side.
 fn choose_sides<'a>(
     (network, batches): (&'a Network, &Arc<Vec<Batch>>),
-    settings: &Settings,
     start: &State,
     images: &[Option<Station>],
     first: Result<Refined<'a>, Error>,
@@ -266,7 +243,7 @@ fn choose_sides<'a>(
                 state.dead_paths_mm[j] = image.dead_path_mm;
             }
         }
-        adjust_from(network, batches, state, settings)
+        adjust_from(network, batches, state)
     };
     let (mut best, mut chosen) = (first, 0);
     let all = (1 << tried) - 1;

@@ -7,7 +7,7 @@ use trueaxis_leastsquares::median;
 use self::station::{Cloud, Sighting, StationFit, find_station, residual_mm};
 use crate::solve::{batches_of, solve_from_start};
 use crate::state::State;
-use crate::{Error, Network, Settings, Solution, Station};
+use crate::{Error, Network, Solution, Station};
 
 /// Readings used to find one station: enough for a start, and the time stays linear.
 const MAX_READINGS: usize = 2000;
@@ -50,8 +50,8 @@ impl Start {
     ///
     /// # Errors
     /// Those of [`crate::solve`].
-    pub fn solve(self, network: &Network, settings: &Settings) -> Result<Solution, Error> {
-        solve_from_start((network, &batches_of(network)?), self, settings)
+    pub fn solve(self, network: &Network) -> Result<Solution, Error> {
+        solve_from_start((network, &batches_of(network)?), self)
     }
 }
 

@@ -2,7 +2,6 @@
 
 use trueaxis_leastsquares::{BLOCK_RANK_TOL, Error as LeastSquaresError};
 
-use crate::adjustment::deformations;
 use crate::bodies::Deformations;
 use crate::solve::MIN_STATIONS_PER_POINT;
 use crate::state::PER_STATION;
@@ -58,7 +57,7 @@ pub(crate) fn named(network: &Network, error: LeastSquaresError) -> Error {
             let behind_zeros = behind_stations + network.interruptions.len();
             // The largest share says what is free.
             if let Some(&(k, _)) = free.first().filter(|&&(k, _)| k >= behind_zeros) {
-                let Deformations { first, shared, .. } = deformations(network);
+                let Deformations { first, shared, .. } = Deformations::new(network);
                 return match k < shared {
                     true => Error::ShapeNotDetermined {
                         body: first.partition_point(|first| *first <= k) - 1,

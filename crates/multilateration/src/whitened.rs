@@ -54,15 +54,10 @@ impl Whitened {
     pub fn new(network: &Network, solution: &Solution) -> Self {
         let influence = BatchInfluence::new(network, solution);
         let rows = network.readings.len();
-        let covariance = &solution.covariance;
-        let sizes = (0..network.groups.len()).map(|g| covariance.unknowns(g));
+        let factors = &solution.covariance.factors;
+        let sizes = (0..network.groups.len()).map(|g| factors.unknowns(g));
         let (own_width, shared_width) = (sizes.max().unwrap_or(0), influence.width());
-        let mut weight_starts = Vec::with_capacity(network.visits.len());
-        let mut weights = 0;
-        for visit in &network.visits {
-            weight_starts.push(weights);
-            weights += factor_len(visit.readings.len());
-        }
+        let weight_starts = network.factor_starts();
         let mut whitened = Self {
             group_of_row: vec![0; rows],
             groups: network.groups.len(),
@@ -75,7 +70,7 @@ impl Whitened {
             degrees_of_freedom: solution.degrees_of_freedom(),
             visits: network.visits.iter().map(|v| v.readings.clone()).collect(),
             reading_of_row: vec![0; rows],
-            weights: vec![0.0; weights],
+            weights: vec![0.0; weight_starts[network.visits.len()]],
             weight_starts,
         };
         let by_group = network.visits_by_group();

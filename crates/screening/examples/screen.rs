@@ -3,7 +3,7 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use nalgebra::Point3;
-use trueaxis_multilateration::{Network, Reading, Settings, Visit};
+use trueaxis_multilateration::{Network, Reading, Visit};
 use trueaxis_screening::screen;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         reading.length_mm -= 0.2;
     }
 
-    let screened = screen(&network, true, &Settings::default())?;
+    let screened = screen(&network, true)?;
     let [removed] = screened.removed[..] else {
         return Err("one length is wrong".into());
     };

@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix2;
 use trueaxis_leastsquares::chi_squared_upper_tail;
-use trueaxis_multilateration::{Error, Network, Noise, Settings, Solution, solve_with_noise};
+use trueaxis_multilateration::{Error, Network, Noise, Solution, solve_with_noise};
 
 /// Estimated noise with what is known about it.
 #[derive(Debug, Clone, PartialEq)]
@@ -84,13 +84,8 @@ pub fn estimate_noise(
     network: &mut Network,
     solution: &mut Solution,
     declared: bool,
-    settings: &Settings,
 ) -> Result<NoiseEstimate, Error> {
-    let mut adjusted = Weighted {
-        network,
-        solution,
-        settings,
-    };
+    let mut adjusted = Weighted { network, solution };
     let given = adjusted.network.noise;
     let dof = adjusted.degrees_of_freedom();
     let above = chi_squared_upper_tail(adjusted.squares(), dof);
@@ -128,14 +123,13 @@ pub fn estimate_noise(
 struct Weighted<'a> {
     network: &'a mut Network,
     solution: &'a mut Solution,
-    settings: &'a Settings,
 }
 
 impl Weighted<'_> {
     /// Solves it with another noise.
     fn solve_with(&mut self, noise: Noise) -> Result<(), Error> {
         self.network.noise = noise;
-        *self.solution = solve_with_noise(self.network, self.solution, self.settings)?;
+        *self.solution = solve_with_noise(self.network, self.solution)?;
         Ok(())
     }
 

@@ -17,7 +17,7 @@
 //!
 //! A campaign without gross errors passes after one adjustment and its tests.
 
-use trueaxis_multilateration::{Network, Noise, Settings};
+use trueaxis_multilateration::{Network, Noise};
 
 use crate::Error;
 use crate::estimate_noise::level;
@@ -40,8 +40,8 @@ const MAX_NOISE_UPDATES: usize = 5;
 /// # Errors
 /// Those of the adjustment; [`Error::TooManyGrossErrors`], [`Error::PartLost`] and
 /// [`Error::Undecidable`] if too much would have to be removed or nothing tells what.
-pub fn screen(network: &Network, declared: bool, settings: &Settings) -> Result<Screened, Error> {
-    screen_within(network, declared, MOST_REMOVED, settings)
+pub fn screen(network: &Network, declared: bool) -> Result<Screened, Error> {
+    screen_within(network, declared, MOST_REMOVED)
 }
 
 /// As [`screen`], where no more than a share `most_removed` of the readings may leave: a search that would take more away is
@@ -53,10 +53,9 @@ pub fn screen_within(
     network: &Network,
     declared: bool,
     most_removed: f64,
-    settings: &Settings,
 ) -> Result<Screened, Error> {
     let tried = |noise: Noise| {
-        let work = || Search::new(network, noise, declared, most_removed, settings);
+        let work = || Search::new(network, noise, declared, most_removed);
         match screen_by(network, work()?) {
             // A zero that wanders far looks like many gross errors; cut in pieces it may be bearable.
             Err(error) if error.is_contradiction() => {
@@ -89,7 +88,7 @@ fn returns(screened: &Screened) -> bool {
     screened.noise.repeatability.sigma_mm < MOST_RETURN_MM
 }
 
-fn screen_by(network: &Network, mut work: Search<'_>) -> Result<Screened, Error> {
+fn screen_by(network: &Network, mut work: Search) -> Result<Screened, Error> {
     for _ in 0..MAX_NOISE_UPDATES {
         work.clean()?;
         let mut screened = work.finished(network)?;

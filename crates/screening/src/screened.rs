@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use trueaxis_multilateration::{Network, Settings, Solution, solve};
+use trueaxis_multilateration::{Network, Solution, solve};
 
 use crate::Error;
 use crate::estimate_noise::{NoiseEstimate, estimate_noise};
@@ -79,11 +79,11 @@ impl Screened {
     ///
     /// # Errors
     /// Those of the adjustment.
-    pub fn plain(network: &Network, declared: bool, settings: &Settings) -> Result<Self, Error> {
+    pub fn plain(network: &Network, declared: bool) -> Result<Self, Error> {
         let mut network = network.clone();
-        let mut solution = solve(&network, settings)?;
+        let mut solution = solve(&network)?;
         let given_squares = solution.squares;
-        let noise = estimate_noise(&mut network, &mut solution, declared, settings)?;
+        let noise = estimate_noise(&mut network, &mut solution, declared)?;
         Ok(Self {
             kept: (0..network.readings.len()).collect(),
             network,

@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use trueaxis_leastsquares::student_two_sided;
 use trueaxis_multilateration::{
-    self as multilateration, Interruption, Network, Noise, ReadingTest, Settings, Solution, Start,
-    Tests, Whitened, solve, solve_from,
+    self as multilateration, Interruption, Network, Noise, ReadingTest, Solution, Start, Tests,
+    Whitened, solve, solve_from,
 };
 
 use self::far_readings::far_at;
@@ -62,7 +62,7 @@ fn critical(level: f64, tests: usize, degrees_of_freedom: f64) -> f64 {
 }
 
 /// The search in progress: removed readings stay in the network without weight.
-pub(crate) struct Search<'a> {
+pub(crate) struct Search {
     network: Network,
     solution: Option<Arc<Solution>>,
     /// Where the first solution starts.
@@ -71,7 +71,6 @@ pub(crate) struct Search<'a> {
     tests: Option<Rc<Tests>>,
     /// The largest step of each zero there, once they were sought.
     largest_steps: Option<Vec<StepTest>>,
-    settings: &'a Settings,
     /// Whether the network's noise is more than a guess.
     declared: bool,
     /// Share of the readings that may leave.
@@ -94,14 +93,13 @@ pub(crate) struct Search<'a> {
     noise_known: Option<f64>,
 }
 
-impl<'a> Search<'a> {
+impl Search {
     /// Work on a copy of `network` with this noise at first; readings that are far off at the start have left already.
     pub(crate) fn new(
         network: &Network,
         noise: Noise,
         declared: bool,
         most_removed: f64,
-        settings: &'a Settings,
     ) -> Result<Self, Error> {
         let start = Start::new(network)?;
         let mut far = far_at(&start, network);
@@ -123,7 +121,6 @@ impl<'a> Search<'a> {
             start: Some(start),
             tests: None,
             largest_steps: None,
-            settings,
             declared,
             most_removed,
             far,
@@ -154,8 +151,8 @@ impl<'a> Search<'a> {
         }
         let network = &self.network;
         let solution = match self.start.take() {
-            Some(start) => start.solve(network, self.settings),
-            None => solve(network, self.settings),
+            Some(start) => start.solve(network),
+            None => solve(network),
         };
         self.take(Arc::new(solution.map_err(|error| self.driven_away(error))?));
         Ok(())
@@ -163,7 +160,7 @@ impl<'a> Search<'a> {
 
     /// Solves again from the solution of a similar network.
     fn solve_near(&mut self, near: &Solution) -> Result<(), Error> {
-        let solution = solve_from(&self.network, near, self.settings);
+        let solution = solve_from(&self.network, near);
         // With all lengths at full weight it could be solved: what is left is too little.
         self.take(Arc::new(
             solution.map_err(|error| self.nothing_left(error))?,

@@ -145,7 +145,7 @@ impl Sums {
 #[cfg(test)]
 mod tests {
     use nalgebra::Point3;
-    use trueaxis_multilateration::{Interruption, Noise, Reading, Settings, Visit, solve};
+    use trueaxis_multilateration::{Interruption, Noise, Reading, Visit, solve};
 
     use super::*;
 
@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn the_largest_step_is_that_of_all_steps() {
         let network = network();
-        let solution = solve(&network, &Settings::default()).unwrap();
+        let solution = solve(&network).unwrap();
         let rows = Whitened::new(&network, &solution);
         let zero_of = network.zero_of_readings();
         let steps = largest_steps(&network, &rows);

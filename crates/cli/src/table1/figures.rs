@@ -7,9 +7,7 @@
 use nalgebra::{DMatrix, Point3};
 use serde::Serialize;
 use trueaxis_montecarlo::{ChaCha8Rng, Model, Propagation, Settings, Trials as Count, propagate};
-use trueaxis_multilateration::{
-    Noise, Settings as SolveSettings, Solution, Trials, Workspace, solve,
-};
+use trueaxis_multilateration::{Noise, Solution, Trials, Workspace, solve};
 
 use super::arrangement::{Arrangement, TARGETS, network};
 
@@ -75,7 +73,7 @@ pub(crate) fn measure(
         ..Noise::default()
     };
     let network = network(points_mm, &arrangement.stations_mm, noise);
-    let solution = solve(&network, &SolveSettings::default())?;
+    let solution = solve(&network)?;
     let model = Measured {
         trials: Trials::new(&network, &solution),
         repeats: measurement.repeats,

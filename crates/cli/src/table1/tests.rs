@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use trueaxis_montecarlo::ChaCha8Rng;
-use trueaxis_multilateration::{Noise, Settings, solve};
+use trueaxis_multilateration::{Noise, solve};
 
 use super::PRINTED;
 use super::arrangement::{network, optimised, points_mm, tetrahedron};
@@ -73,7 +73,7 @@ fn largest_sigma(points_mm: &[Point3<f64>], stations_mm: &[Point3<f64>; 4]) -> O
     }
     let noise = Noise::default();
     let network = network(points_mm, stations_mm, noise);
-    let solution = solve(&network, &Settings::default()).ok()?;
+    let solution = solve(&network).ok()?;
     let largest = largest_sigmas_mm(&solution).into_iter().fold(0.0, f64::max);
     Some(largest / noise.length_sigma_mm)
 }

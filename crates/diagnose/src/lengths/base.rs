@@ -4,9 +4,7 @@ use std::sync::Arc;
 
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::{Scene, TemperatureHistory};
-use trueaxis_multilateration::{
-    Network, Noise, Settings, Solution, Whitened, solve_as_a_set, solve_from,
-};
+use trueaxis_multilateration::{Network, Noise, Solution, Whitened, solve_as_a_set, solve_from};
 use trueaxis_poses::{
     CampaignNetwork, Group, LengthCircumstances as Reading, LengthsAdjustment, Method, Observation,
     length_circumstances, network_from_campaign, scene_of, temperature_histories,
@@ -83,14 +81,13 @@ impl<'a> Base<'a> {
         removed: &[Removed],
         near: Option<&Solution>,
     ) -> Result<Self, Error> {
-        let settings = Settings::default();
         let CampaignNetwork {
             network, groups, ..
         } = all;
         let left_out = LeftOut::of(campaign, lengths, &network, &groups, removed);
         let numbers: Vec<usize> = removed.iter().map(|removed| removed.reading).collect();
         let (mut network, kept) = network.without(&numbers);
-        let mut start = solve_as_a_set(&mut network, near, &settings)?;
+        let mut start = solve_as_a_set(&mut network, near)?;
         let declared = campaign.instrument.declares_noise();
         let uneven = weigh_stations(&mut network, &mut start, declared)?;
         let readings = length_circumstances(campaign, lengths, &network, &groups, &kept);
@@ -137,7 +134,6 @@ impl<'a> Base<'a> {
         mut suspects: Vec<Suspect>,
         noise: Option<Noise>,
     ) -> Result<Adjusted, Error> {
-        let settings = Settings::default();
         let mut solution = near.map_or(&self.start, |near| &near.solution).clone();
         let mut network = self.network.clone();
         let mut by_wandering_mm = vec![0.0; self.readings.len()];
@@ -145,7 +141,7 @@ impl<'a> Base<'a> {
             self.correct(&mut network, &solution, &suspects);
             if let Some(noise) = noise {
                 network.noise = noise;
-                solution = solve_from(&network, &solution, &settings)?;
+                solution = solve_from(&network, &solution)?;
             } else {
                 network.noise = self.network.noise;
                 // What wanders is no noise.
@@ -155,11 +151,11 @@ impl<'a> Base<'a> {
                     }
                 };
                 add(&mut network, -1.0);
-                solution = solve_from(&network, &solution, &settings)?;
-                estimate_noise(&mut network, &mut solution, self.declared, &settings)?;
+                solution = solve_from(&network, &solution)?;
+                estimate_noise(&mut network, &mut solution, self.declared)?;
                 add(&mut network, 1.0);
                 if !self.disturbances.is_empty() {
-                    solution = solve_from(&network, &solution, &settings)?;
+                    solution = solve_from(&network, &solution)?;
                 }
             }
             let (whitened, before_causes) = match near {
@@ -229,7 +225,7 @@ impl<'a> Base<'a> {
         let mut network = self.network.clone();
         network.noise = noise;
         self.correct(&mut network, &self.start, &suspects);
-        let solution = solve_from(&network, &self.start, &Settings::default())?;
+        let solution = solve_from(&network, &self.start)?;
         let whitened = Arc::new(Whitened::new(&network, &solution));
         let before_causes = self.before_causes(&whitened, &solution);
         Ok(Adjusted {
@@ -359,7 +355,7 @@ impl<'a> Base<'a> {
 
     /// The same campaign with another network and its readings.
     fn with_network(&self, network: Network, readings: Vec<Reading>) -> Result<Self, Error> {
-        let start = solve_from(&network, &self.start, &Settings::default())?;
+        let start = solve_from(&network, &self.start)?;
         Ok(Self {
             campaign: self.campaign,
             scene: self.scene.clone(),

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use trueaxis_campaign::Direction;
 use trueaxis_effects::{Displaced, Subject};
 use trueaxis_kinematics::{Axis, AxisKind};
-use trueaxis_multilateration::{Noise, Settings, Solution, Whitened, solve_from};
+use trueaxis_multilateration::{Noise, Solution, Whitened, solve_from};
 use trueaxis_poses::{LengthCircumstances as Reading, Observation};
 
 use crate::Error;
@@ -170,7 +170,7 @@ impl Base<'_> {
         for (reading, wandered_mm) in network.readings.iter_mut().zip(wandered_mm) {
             reading.length_mm -= wandered_mm;
         }
-        let solution = solve_from(&network, &adjusted.solution, &Settings::default())?;
+        let solution = solve_from(&network, &adjusted.solution)?;
         Ok(Adjusted {
             network,
             solution,

@@ -1,6 +1,6 @@
 //! Lengths of stations that scatter more than the others weigh less.
 
-use trueaxis_multilateration::{Network, Settings, Solution, solve_from};
+use trueaxis_multilateration::{Network, Solution, solve_from};
 use trueaxis_screening::{estimate_noise, factors_of_readings, station_factors};
 
 use crate::Error;
@@ -12,16 +12,15 @@ pub(crate) fn weigh_stations(
     solution: &mut Solution,
     declared: bool,
 ) -> Result<Vec<usize>, Error> {
-    let settings = Settings::default();
     let factors = station_factors(network, solution, |network| {
-        let mut solution = solve_from(network, solution, &settings)?;
-        estimate_noise(network, &mut solution, declared, &settings)?;
+        let mut solution = solve_from(network, solution)?;
+        estimate_noise(network, &mut solution, declared)?;
         Ok::<Solution, Error>(solution)
     })?;
     let uneven: Vec<usize> = (0..factors.len()).filter(|&j| factors[j] > 1.0).collect();
     if !uneven.is_empty() {
         network.variance_factors = factors_of_readings(network, &factors);
-        *solution = solve_from(network, solution, &settings)?;
+        *solution = solve_from(network, solution)?;
     }
     Ok(uneven)
 }

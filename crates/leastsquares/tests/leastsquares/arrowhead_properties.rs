@@ -158,7 +158,7 @@ proptest! {
                 prop_assert!((found - expected[(first + k, 0)]).abs() < tol);
             }
             let covariance = solved.covariance.block(i);
-            let coupling = solved.covariance.coupling_transposed(i);
+            let coupling = solved.covariance.factors.coupling_transposed(i);
             let with_shared = -coupling.tr_mul(solved.covariance.reduced_inverse());
             for k in 0..block.unknowns {
                 for j in 0..block.unknowns {
@@ -169,7 +169,8 @@ proptest! {
                 }
                 let mut before = 0;
                 for (other, block) in blocks[..i].iter().enumerate() {
-                    let between = solved.covariance.between(i, other);
+                    let of_other = solved.covariance.factors.coupling_transposed(other);
+                    let between = -&with_shared * of_other;
                     for j in 0..block.unknowns {
                         let expected = inverse[(first + k, before + j)];
                         prop_assert!((between[(k, j)] - expected).abs() < tol);

@@ -1,6 +1,6 @@
 //! A step that raises the cost is shortened, from what was linearised where it begins.
 
-use trueaxis_leastsquares::{Adjustment, Error, Factors, Reduced, Settings, adjust};
+use trueaxis_leastsquares::{Adjustment, Error, Factors, Reduced, adjust};
 
 /// `0 = atan x + e`: from beyond 1.39 a whole step leads to where the cost is higher. Beyond `limit` it is not reduced.
 struct Arc {
@@ -52,7 +52,7 @@ impl Adjustment for Arc {
 #[test]
 fn a_step_that_raises_the_cost_is_shortened_from_where_it_began() {
     for start in [-1.9, -1.2, 0.5, 1.45, 1.9] {
-        let adjusted = adjust(&Arc { limit: 2.0 }, &start, &Settings::default()).unwrap();
+        let adjusted = adjust(&Arc { limit: 2.0 }, &start).unwrap();
         assert!(adjusted.termination.is_converged(), "from {start}");
         assert!(adjusted.state.abs() < 1e-9, "from {start}");
     }
@@ -61,6 +61,6 @@ fn a_step_that_raises_the_cost_is_shortened_from_where_it_began() {
 #[test]
 fn an_error_where_a_step_leads_counts_if_it_is_made() {
     let arc = Arc { limit: 1e-3 };
-    let outcome = adjust(&arc, &0.5, &Settings::default());
+    let outcome = adjust(&arc, &0.5);
     assert!(matches!(outcome, Err(Error::NotFinite { what: "the arc" })));
 }

@@ -9,13 +9,11 @@ use rand_distr::StandardNormal;
 use crate::batch_influence::BatchRows;
 use crate::batches::Batch;
 use crate::network::{Network, VisitsByGroup};
-use crate::noise::factor_len;
 use crate::slots::Slots;
 
 /// Factors of all visits in measuring order.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct ErrorNoise {
-    readings: usize,
     /// The number of readings of each visit.
     counts: Vec<usize>,
     /// For each visit the readings in the order of the rows of `L`, one visit after the other.
@@ -27,19 +25,13 @@ pub(crate) struct ErrorNoise {
 
 impl ErrorNoise {
     pub(crate) fn new(network: &Network) -> Self {
-        let mut noise = Self {
-            readings: network.readings.len(),
+        let starts = network.factor_starts();
+        Self {
+            counts: network.visits.iter().map(|v| v.readings.len()).collect(),
             order: (0..network.readings.len()).collect(),
-            ..Self::default()
-        };
-        let mut elements = 0;
-        for visit in &network.visits {
-            noise.counts.push(visit.readings.len());
-            noise.starts.push(elements);
-            elements += factor_len(visit.readings.len());
+            factors: vec![0.0; starts[network.visits.len()]],
+            starts,
         }
-        noise.factors = vec![0.0; elements];
-        noise
     }
 
     /// Takes the factors of the visits to the groups of a batch with these rows.
@@ -71,7 +63,7 @@ impl ErrorNoise {
 
     /// Number of lengths.
     pub(crate) fn readings(&self) -> usize {
-        self.readings
+        self.order.len()
     }
 
     /// One error for each reading, mm.

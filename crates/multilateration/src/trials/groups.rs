@@ -76,7 +76,7 @@ impl TrialGroups {
         slots: &Slots,
     ) -> Self {
         let batches = influence.batches();
-        let (batch, state) = (&batches[b], influence.state());
+        let (batch, state) = (&batches[b], &influence.state);
         let mut readings = vec![[None; LANES]; batch.slots()];
         for (lane, _) in batch.groups.clone().enumerate() {
             for &(slot, reading) in slots.places(lane) {
@@ -105,9 +105,9 @@ impl TrialGroups {
         // Lanes without a group would count twice.
         let used = Lanes::mask(batch.groups.len());
         let mut levers = Vec::new();
-        let nominal_mm = batch.own(&influence.network().nominal_mm);
+        let nominal_mm = batch.own(&influence.model.network.nominal_mm);
         take_points(batch, nominal_mm, &mut levers);
-        let datum = influence.datum();
+        let datum = influence.model.datum;
         let per_radius = Lanes::splat(1.0 / datum.radius_mm);
         for (k, lever) in levers.iter_mut().enumerate() {
             *lever = (*lever - Lanes::splat(datum.centroid[k % 3])) * per_radius;

@@ -2,9 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Isometry3, Point3, Vector3};
 use trueaxis_kinematics::centroid;
-use trueaxis_multilateration::{
-    Network, Noise, Reflectors, Settings, Solution, Whitened, contrast, solve,
-};
+use trueaxis_multilateration::{Network, Noise, Reflectors, Solution, Whitened, contrast, solve};
 
 use crate::irregular::{dead_path_of_readings, network};
 
@@ -24,7 +22,7 @@ fn solved(groups: usize, noise: Noise, is_tied: bool) -> (Network, Solution) {
     for (i, reading) in network.readings.iter_mut().enumerate() {
         reading.length_mm += 2e-3 * (3.3 * (i as f64 + 0.7)).sin();
     }
-    let solution = solve(&network, &Settings::default()).unwrap();
+    let solution = solve(&network).unwrap();
     assert!(solution.termination.is_converged());
     (network, solution)
 }

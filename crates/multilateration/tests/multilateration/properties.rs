@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trueaxis_multilateration::{Error, Network, Noise, Settings, Solution, Visit, solve};
+use trueaxis_multilateration::{Error, Network, Noise, Solution, Visit, solve};
 
 use crate::deviation::{disturbed, largest_deviation_mm};
 use crate::world::*;
@@ -16,7 +16,7 @@ fn exact_lengths_give_exact_points_without_station_approximations() {
         let nominal = truth.points.clone();
         truth.points = disturbed(&nominal, size_mm, seed);
         let network = network(&truth, nominal.clone(), 1, Noise::default());
-        let solution = solve(&network, &Settings::default()).unwrap();
+        let solution = solve(&network).unwrap();
         assert!(
             solution.termination.is_converged(),
             "{}",
@@ -41,7 +41,7 @@ fn redundancy_numbers_add_up() {
         ..Noise::default()
     };
     let network = network(&truth, truth.points.clone(), 2, noise);
-    let solution = solve(&network, &Settings::default()).unwrap();
+    let solution = solve(&network).unwrap();
     let tests = solution.tests(&network);
     let numbers = tests.readings.iter().map(|reading| reading.redundancy);
     let sum: f64 = numbers.clone().sum();
@@ -69,7 +69,7 @@ fn stated_covariance_is_the_scatter() {
         ..Noise::default()
     };
     let clean = network(&truth, truth.points.clone(), 2, noise);
-    let reference = solve(&clean, &Settings::default()).unwrap();
+    let reference = solve(&clean).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(20);
     let groups = [0, 7, 12];
     let mut point_squares = vec![[0.0; 9]; groups.len()];
@@ -78,7 +78,7 @@ fn stated_covariance_is_the_scatter() {
     for _ in 0..TRIALS {
         let mut noisy = clean.clone();
         add_noise(&mut noisy, &truth, &mut rng);
-        let solution = solve(&noisy, &Settings::default()).unwrap();
+        let solution = solve(&noisy).unwrap();
         variance_factors += solution.sigma0().powi(2);
         for (squares, &g) in point_squares.iter_mut().zip(&groups) {
             for (k, square) in squares.iter_mut().enumerate() {
@@ -103,7 +103,7 @@ fn stated_covariance_is_the_scatter() {
         );
     };
     for (squares, &g) in point_squares.iter().zip(&groups) {
-        let covariance = reference.group_covariance(g);
+        let covariance = reference.covariance.block(g);
         for (k, square) in squares.iter().enumerate() {
             check(*square, covariance[(k, k)], "point");
         }
@@ -164,10 +164,10 @@ fn table_1_single_measurement() {
                 })
             })
             .collect();
-        let solution = solve(&network, &Settings::default()).unwrap();
+        let solution = solve(&network).unwrap();
         let mut largest = [0.0_f64; 3];
         for g in 0..network.groups.len() {
-            let covariance = solution.group_covariance(g);
+            let covariance = solution.covariance.block(g);
             for k in 0..9 {
                 largest[k % 3] = largest[k % 3].max(covariance[(k, k)].sqrt() * 1e3);
             }
@@ -188,7 +188,7 @@ fn what_is_missing_is_named() {
     two_stations
         .readings
         .truncate(two_stations.visits.last().unwrap().readings.end);
-    let error = solve(&two_stations, &Settings::default()).unwrap_err();
+    let error = solve(&two_stations).unwrap_err();
     assert_eq!(error, Error::TooFewStations { need: 4, found: 2 });
 
     // Point 2 of group 5 is read from two stations only.
@@ -203,7 +203,7 @@ fn what_is_missing_is_named() {
             .extend(readings.iter().filter(|r| keep(r.point)));
         visit.readings = first..hidden.readings.len();
     }
-    let error = solve(&hidden, &Settings::default()).unwrap_err();
+    let error = solve(&hidden).unwrap_err();
     assert_eq!(
         error,
         Error::PointSeenTooRarely {
@@ -220,7 +220,7 @@ fn what_is_missing_is_named() {
         station.0 = Point3::new(-800.0 + 300.0 * j as f64, -900.0, 300.0);
     }
     let network = network(&aligned, aligned.points.clone(), 1, Noise::default());
-    let error = solve(&network, &Settings::default()).unwrap_err();
+    let error = solve(&network).unwrap_err();
     assert!(
         matches!(
             error,
@@ -263,8 +263,8 @@ proptest! {
         let motion = Isometry3::new(Vector3::from(shift), Vector3::from(axis));
         let mut moved = network.clone();
         moved.nominal_mm.iter_mut().for_each(|p| *p = motion * *p);
-        let a = solve(&network, &Settings::default()).unwrap();
-        let b = solve(&moved, &Settings::default()).unwrap();
+        let a = solve(&network).unwrap();
+        let b = solve(&moved).unwrap();
         let expected: Vec<_> = a.points_mm.iter().map(|p| motion * p).collect();
         assert_same(&b, &expected);
         prop_assert!((a.sigma0() / b.sigma0() - 1.0).abs() < 1e-9);
@@ -288,8 +288,8 @@ proptest! {
             let readings = first..shuffled.readings.len();
             shuffled.visits.push(Visit { readings, ..visit.clone() });
         }
-        let a = solve(&network, &Settings::default()).unwrap();
-        let b = solve(&shuffled, &Settings::default()).unwrap();
+        let a = solve(&network).unwrap();
+        let b = solve(&shuffled).unwrap();
         assert_same(&b, &a.points_mm);
     }
 
@@ -310,8 +310,8 @@ proptest! {
                 relabelled.nominal_mm[group.start + new] = network.nominal_mm[group.start + k];
             }
         }
-        let a = solve(&network, &Settings::default()).unwrap();
-        let b = solve(&relabelled, &Settings::default()).unwrap();
+        let a = solve(&network).unwrap();
+        let b = solve(&relabelled).unwrap();
         for group in &network.groups {
             for (k, new) in target.into_iter().enumerate() {
                 let (p, q) = (a.points_mm[group.start + k], b.points_mm[group.start + new]);

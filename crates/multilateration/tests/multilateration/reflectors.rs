@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
-use trueaxis_multilateration::{Error, Network, Noise, Reflectors, Settings, Solution, solve};
+use trueaxis_multilateration::{Error, Network, Noise, Reflectors, Solution, solve};
 
 use crate::deviation::{disturbed, largest_deviation_mm};
 use crate::world::*;
@@ -46,7 +46,7 @@ fn exact_lengths_give_exact_constants() {
     let joint = tied(&network(&truth, truth.points.clone(), 1, NOISE));
     let joint = with_reflectors(joint, CONSTANTS_MM, None);
     for (network, nominal) in [(free, &nominal), (joint, &truth.points)] {
-        let solution = solve(&network, &Settings::default()).unwrap();
+        let solution = solve(&network).unwrap();
         assert!(solution.termination.is_converged());
         let deviation_mm = largest_deviation_mm(&solution, &truth, nominal);
         assert!(deviation_mm < 1e-7, "{deviation_mm:e}");
@@ -57,7 +57,7 @@ fn exact_lengths_give_exact_constants() {
             reflectors: None,
             ..network.clone()
         };
-        let alike = solve(&without, &Settings::default()).unwrap();
+        let alike = solve(&without).unwrap();
         assert_eq!(solution.unknowns, alike.unknowns + 2);
         let wrong_mm = largest_deviation_mm(&alike, &truth, nominal);
         assert!(wrong_mm > 1e-3, "{wrong_mm:e}");
@@ -90,7 +90,7 @@ fn stated_covariance_is_the_scatter() {
                 std::array::from_fn(|_| SIGMA_MM * rng.sample::<f64, _>(StandardNormal));
             let network = if is_tied { tied(&network) } else { network };
             let network = with_reflectors(network, drawn, sigma_mm);
-            let solution = solve(&network, &Settings::default()).unwrap();
+            let solution = solve(&network).unwrap();
             let expected = DVector::from_column_slice(&drawn);
             let expected = &expected - DVector::from_element(3, expected.mean());
             let left = constants(&solution) - expected;
@@ -130,14 +130,14 @@ fn constants_that_are_not_determined_are_named() {
         of_points: (0..points).map(|p| usize::from(p == odd)).collect(),
     };
     network.reflectors = Some(Arc::new(reflectors.clone()));
-    let open = solve(&network, &Settings::default()).map(|_| ());
+    let open = solve(&network).map(|_| ());
     assert!(
         matches!(open, Err(Error::ReflectorsNotDetermined { .. })),
         "{open:?}"
     );
     reflectors.sigma_mm = Some(SIGMA_MM);
     network.reflectors = Some(Arc::new(reflectors));
-    let known = solve(&network, &Settings::default()).unwrap();
+    let known = solve(&network).unwrap();
     // Half the difference of two constants.
     let u_mm = known.reflector_covariance()[(0, 0)].sqrt();
     assert!(

@@ -5,9 +5,7 @@ use nalgebra::{Point3, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use trueaxis_kinematics::centroid;
-use trueaxis_multilateration::{
-    Corrections, Network, Noise, Settings, Solution, Trials, contrast, solve,
-};
+use trueaxis_multilateration::{Corrections, Network, Noise, Solution, Trials, contrast, solve};
 
 use crate::irregular::{self, with_dead_paths};
 use crate::world::{network, truth};
@@ -22,7 +20,7 @@ const NOISE: Noise = Noise {
 fn corrections_keep_the_datum() {
     let truth = truth(100.0);
     let network = network(&truth, truth.points.clone(), 1, NOISE);
-    let solution = solve(&network, &Settings::default()).unwrap();
+    let solution = solve(&network).unwrap();
     let trials = Trials::new(&network, &solution);
     let mut workspace = trials.workspace();
     let mut errors_mm = vec![0.0; trials.errors()];
@@ -48,7 +46,7 @@ fn scatter_of_trials_is_the_stated_covariance() {
     const TRIALS: usize = 4000;
     let truth = truth(100.0);
     let network = network(&truth, truth.points.clone(), 1, NOISE);
-    let solution = solve(&network, &Settings::default()).unwrap();
+    let solution = solve(&network).unwrap();
     let trials = Trials::new(&network, &solution);
     let mut workspace = trials.workspace();
     let mut errors_mm = vec![0.0; trials.errors()];
@@ -80,7 +78,7 @@ fn scatter_of_trials_is_the_stated_covariance() {
         assert!((ratio - 1.0).abs() < 5.0 * standard_error, "{ratio}");
     };
     for (i, squares) in point_squares.iter().enumerate() {
-        let covariance = solution.group_covariance(i / 3);
+        let covariance = solution.covariance.block(i / 3);
         for k in 0..3 {
             let place = 3 * (i % 3) + k;
             check(squares[k], covariance[(place, place)]);
@@ -105,7 +103,7 @@ fn drawn_errors_have_the_covariance_of_the_noise() {
     };
     let truth = truth(200.0);
     let network = network(&truth, truth.points.clone(), 1, noise);
-    let solution = solve(&network, &Settings::default()).unwrap();
+    let solution = solve(&network).unwrap();
     let trials = Trials::new(&network, &solution);
     let visit = network.visits[5].clone();
     let mut errors_mm = vec![0.0; trials.errors()];
@@ -144,7 +142,7 @@ fn drawn_errors_have_the_covariance_of_the_noise() {
 fn errors_without_a_solution_give_nan() {
     let truth = truth(200.0);
     let network = network(&truth, truth.points.clone(), 1, NOISE);
-    let solution = solve(&network, &Settings::default()).unwrap();
+    let solution = solve(&network).unwrap();
     let trials = Trials::new(&network, &solution);
     let mut workspace = trials.workspace();
     let mut errors_mm = vec![0.0; trials.errors()];
@@ -189,7 +187,7 @@ fn largest_difference(
         largest = largest.max(difference.abs() / variance.sqrt());
     };
     for (group, points) in network.groups.iter().enumerate() {
-        let covariance = base.group_covariance(group);
+        let covariance = base.covariance.block(group);
         for point in points.clone() {
             let moved = full.points_mm[point] - base.points_mm[point];
             compare(
@@ -287,7 +285,7 @@ fn linear_misses(trials: &Trials, errors: &[f64], full: &Solution, base: &Soluti
     let small: Vec<f64> = errors.iter().map(|error| SMALL * error).collect();
     let mut workspace = trials.workspace();
     let linear = trials.solve(&small, &mut workspace);
-    let u_mm = base.group_covariance(0)[(0, 0)].sqrt();
+    let u_mm = base.covariance.block(0)[(0, 0)].sqrt();
     let places = full.points_mm.iter().zip(&base.points_mm);
     let missed = places.enumerate().map(|(i, (after, before))| {
         (linear.points_mm()[i] / SMALL - (after - before)).norm() / u_mm
@@ -325,7 +323,7 @@ fn trials_are_the_full_solution() {
     ];
     for ((noise, given, limit), is_tied) in cases.iter().flat_map(|c| [(c, false), (c, true)]) {
         let network = with_dead_paths(irregular::network(30, *noise, is_tied));
-        let solution = solve(&network, &Settings::default()).unwrap();
+        let solution = solve(&network).unwrap();
         assert!(solution.termination.is_converged());
         let trials = Trials::new(&network, &solution);
         let mut workspace = trials.workspace();
@@ -337,7 +335,7 @@ fn trials_are_the_full_solution() {
             trials.draw(&mut rng, &mut errors);
             errors.iter_mut().for_each(|error| *error *= factor);
             let disturbed = disturbed(&network, &solution, &errors);
-            let full = solve(&disturbed, &Settings::default()).unwrap();
+            let full = solve(&disturbed).unwrap();
             assert!(full.termination.is_converged());
             let errors = match given {
                 Given::Drawn(_) => errors.clone(),

@@ -5,8 +5,7 @@ use rayon::prelude::*;
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_kinematics::centroid;
 use trueaxis_multilateration::{
-    self as multilateration, BlockNoise, Network, Solution, Station, adjust_as_a_set,
-    solve_as_a_set,
+    BlockNoise, Network, Solution, Station, adjust_as_a_set, solve_as_a_set,
 };
 use trueaxis_screening::{Screened, screen_within, uneven_stations};
 
@@ -69,13 +68,12 @@ impl<'a> LengthsAdjustment<'a> {
             network.bodies = None;
         }
         let declared = campaign.instrument.declares_noise();
-        let iteration = multilateration::Settings::default();
         let adjusted = adjust_as_a_set(
             &mut network,
             |screened: &Screened| &screened.solution,
             |network| match settings.robust {
-                true => screen_within(network, declared, settings.most_removed, &iteration),
-                false => Screened::plain(network, declared, &iteration),
+                true => screen_within(network, declared, settings.most_removed),
+                false => Screened::plain(network, declared),
             },
         );
         let screened =
@@ -258,9 +256,8 @@ impl<'a> LengthsAdjustment<'a> {
             bodies: None,
             ..network.clone()
         };
-        let iteration = multilateration::Settings::default();
         let words = |error| adjustment_error(self.campaign, self.lengths, &self.groups, error);
-        let free = solve_as_a_set(&mut network, Some(solution), &iteration).map_err(words)?;
+        let free = solve_as_a_set(&mut network, Some(solution)).map_err(words)?;
         let scale = self.scale.as_ref().map(Scale::of_another);
         Ok(self.measured_points((&network, &free), scale.as_ref()))
     }

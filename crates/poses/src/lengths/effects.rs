@@ -2,7 +2,7 @@
 
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::{ResolvedEffect, TemperatureHistory};
-use trueaxis_multilateration::{Network, Settings, Solution, solve_as_a_set};
+use trueaxis_multilateration::{Network, Solution, solve_as_a_set};
 
 use crate::Error;
 use crate::lengths::circumstances::{
@@ -36,7 +36,7 @@ impl<'a> EffectsOnLengths<'a> {
             groups,
             ..
         } = network_from_campaign(campaign, lengths, false);
-        let solution = solve_as_a_set(&mut network, None, &Settings::default())
+        let solution = solve_as_a_set(&mut network, None)
             .map_err(|error| adjustment_error(campaign, lengths, &groups, error))?;
         let all: Vec<usize> = (0..lengths.readings.len()).collect();
         let circumstances = length_circumstances(campaign, lengths, &network, &groups, &all);

@@ -8,9 +8,7 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::student_two_sided;
-use trueaxis_multilateration::{
-    self as multilateration, Bodies, KnownDeadPath, Network, solve_from,
-};
+use trueaxis_multilateration::{Bodies, KnownDeadPath, Network, solve_from};
 use trueaxis_screening::Screened;
 
 use crate::Error;
@@ -102,8 +100,7 @@ impl LengthsAdjustment<'_> {
 
     /// The same with a network of the same lengths.
     fn solved_again(&self, network: Network) -> Result<Screened, Error> {
-        let iteration = multilateration::Settings::default();
-        let solution = solve_from(&network, &self.screened.solution, &iteration);
+        let solution = solve_from(&network, &self.screened.solution);
         let words = |error| adjustment_error(self.campaign, self.lengths, &self.groups, error);
         Ok(Screened {
             solution: Arc::new(solution.map_err(words)?),

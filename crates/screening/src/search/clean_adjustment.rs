@@ -10,7 +10,7 @@ use crate::robust_weights::REMOVED;
 use crate::screened::{Removed, Screened};
 use crate::{Error, guard};
 
-impl Search<'_> {
+impl Search {
     /// The removed readings with their errors.
     pub(crate) fn removed(&mut self) -> Result<Vec<Removed>, Error> {
         let (tests, _) = self.tests()?;
@@ -47,11 +47,11 @@ impl Search<'_> {
         let whole = self.is_whole(&network);
         let mut solution = match self.solution.take().map(Arc::unwrap_or_clone) {
             Some(solved) if whole && solved.termination.is_converged() => solved,
-            Some(near) => solve_from(&network, &near, self.settings)?,
-            None => solve(&network, self.settings)?,
+            Some(near) => solve_from(&network, &near)?,
+            None => solve(&network)?,
         };
         let given_squares = solution.squares;
-        let noise = estimate_noise(&mut network, &mut solution, self.declared, self.settings)?;
+        let noise = estimate_noise(&mut network, &mut solution, self.declared)?;
         Ok(Screened {
             given_squares,
             jumps: self.found_jumps(&network, &solution),

@@ -22,7 +22,7 @@ pub(super) fn far_at(start: &Start, network: &Network) -> Vec<(usize, f64)> {
     sizes.filter(|&(_, size_mm)| size_mm > limit_mm).collect()
 }
 
-impl Search<'_> {
+impl Search {
     /// Lets go of far readings: the width of the weights starts at the largest distance, `widest`
     /// times the scale at most, and is halved until it is the scale. A start at the scale would keep
     /// any few lengths that agree by chance (graduated non-convexity).

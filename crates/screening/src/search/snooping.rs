@@ -6,7 +6,7 @@ use super::{HOPELESS, MAX_ROUNDS, READINGS_LEVEL, Search};
 use crate::Error;
 use crate::robust_weights::REMOVED;
 
-impl Search<'_> {
+impl Search {
     pub(super) fn snoop(&mut self) -> Result<(), Error> {
         // A reading that keeps leaving and coming back stays out.
         let mut returns = vec![0_u8; self.network.readings.len()];
@@ -44,21 +44,13 @@ impl Search<'_> {
         let mut worst: Vec<Option<(f64, usize)>> = vec![None; groups];
         let mut best: Vec<Option<(f64, usize)>> = vec![None; groups];
         for visit in &self.network.visits {
-            for i in visit.readings.clone() {
+            for i in visit.readings.clone().filter(|&i| !self.unchecked[i]) {
                 let w = tests.readings[i].w.abs();
-                if self.unchecked[i] {
-                    continue;
-                }
-                if self.network.variance_factors[i] >= REMOVED {
-                    let best = &mut best[visit.group];
-                    if w <= limit && best.is_none_or(|(least, _)| w < least) {
-                        *best = Some((w, i));
-                    }
-                } else {
-                    let worst = &mut worst[visit.group];
-                    if w > limit && worst.is_none_or(|(most, _)| w > most) {
-                        *worst = Some((w, i));
-                    }
+                let is_out = self.network.variance_factors[i] >= REMOVED;
+                if is_out && w <= limit {
+                    take_if_larger(&mut best[visit.group], -w, i);
+                } else if !is_out && w > limit {
+                    take_if_larger(&mut worst[visit.group], w, i);
                 }
             }
         }
@@ -86,12 +78,18 @@ impl Search<'_> {
         for ((visit, content), w) in self.network.visits.iter().enumerate().zip(tests) {
             let mut readings = content.readings.clone();
             let all = readings.all(|i| self.network.variance_factors[i] < REMOVED);
-            let worst = &mut worst[content.group];
-            if all && w > limit && worst.is_none_or(|(most, _)| w > most) {
-                *worst = Some((w, visit));
+            if all && w > limit {
+                take_if_larger(&mut worst[content.group], w, visit);
             }
         }
         let visits = worst.into_iter().map(|worst| worst.map(|(_, visit)| visit));
         visits.collect()
+    }
+}
+
+/// Takes a number and what it belongs to in place of a smaller one.
+fn take_if_larger(largest: &mut Option<(f64, usize)>, size: f64, of: usize) {
+    if largest.is_none_or(|(most, _)| size > most) {
+        *largest = Some((size, of));
     }
 }

@@ -21,7 +21,7 @@ const WIDE_AGAIN: f64 = 4.0;
 /// Splits for each station on average; more of them are no interruptions.
 const MOST_SPLITS: usize = 3;
 
-impl Search<'_> {
+impl Search {
     pub(super) fn find_interruptions(&mut self) -> Result<(), Error> {
         let mut widest = f64::INFINITY;
         loop {

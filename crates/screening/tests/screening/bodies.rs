@@ -2,7 +2,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trueaxis_multilateration::{Network, Settings};
+use trueaxis_multilateration::Network;
 use trueaxis_screening::screen;
 
 use crate::gross_errors::{NOISE, removed};
@@ -26,7 +26,7 @@ fn one_small_gross_error_of_780_lengths_is_found() {
         assert_eq!(network.readings.len(), 780);
         let wrong = rng.random_range(0..780);
         network.readings[wrong].length_mm += if campaign % 2 == 0 { 8e-3 } else { -8e-3 };
-        let screened = screen(&network, true, &Settings::default()).unwrap();
+        let screened = screen(&network, true).unwrap();
         let removed = removed(&screened);
         found += usize::from(removed.contains(&wrong));
         with_others += usize::from(removed.len() > 1);
@@ -45,7 +45,7 @@ fn clean_lengths_are_left_alone() {
     let mut touched = 0;
     for _ in 0..40 {
         let network = noisy(&truth, &mut rng);
-        let screened = screen(&network, true, &Settings::default()).unwrap();
+        let screened = screen(&network, true).unwrap();
         touched += usize::from(!screened.removed.is_empty() || !screened.jumps.is_empty());
     }
     println!("{touched} of 40 clean campaigns lost a length or were split");
@@ -62,7 +62,7 @@ fn an_interruption_is_found() {
     for reading in &mut network.readings[first..2 * per_station] {
         reading.length_mm += 0.05;
     }
-    let screened = screen(&network, true, &Settings::default()).unwrap();
+    let screened = screen(&network, true).unwrap();
     let [jump] = screened.jumps[..] else {
         panic!("{:?}", screened.jumps);
     };

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use rand::seq::index::sample;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trueaxis_multilateration::{Network, Noise, Settings};
+use trueaxis_multilateration::{Network, Noise};
 use trueaxis_screening::{Error, Screened, screen};
 
 use crate::world::{Truth, add_noise, network, truth};
@@ -49,7 +49,7 @@ fn three_per_cent_of_gross_errors_are_found() {
     for _ in 0..10 {
         let mut network = noisy(&truth, &mut rng);
         let wrong = spoil(&mut network, 3, &mut rng);
-        let screened = screen(&network, true, &Settings::default()).unwrap();
+        let screened = screen(&network, true).unwrap();
         let found = removed(&screened);
         missed += wrong.iter().filter(|i| !found.contains(i)).count();
         false_alarms += found.iter().filter(|i| !wrong.contains(i)).count();
@@ -71,7 +71,7 @@ fn ten_per_cent_are_refused() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let mut network = noisy(&truth, &mut rng);
     let wrong = spoil(&mut network, 10, &mut rng);
-    let error = screen(&network, true, &Settings::default()).unwrap_err();
+    let error = screen(&network, true).unwrap_err();
     println!("{} wrong: {error}", wrong.len());
     assert!(matches!(error, Error::TooManyGrossErrors { .. }));
 }
@@ -83,7 +83,7 @@ fn what_nothing_decides_is_refused() {
     let mut network = network(&truth, truth.points.clone(), 1, NOISE);
     add_noise(&mut network, &truth, &mut ChaCha8Rng::seed_from_u64(5));
     network.readings[40].length_mm += 0.5;
-    let error = screen(&network, true, &Settings::default()).unwrap_err();
+    let error = screen(&network, true).unwrap_err();
     let Error::Undecidable { pairs } = error else {
         panic!("{error}");
     };
@@ -107,7 +107,7 @@ fn lengths_of_a_visit_that_are_off_together_leave_together() {
         for reading in &mut network.readings[visit.clone()] {
             reading.length_mm += change_mm;
         }
-        let screened = screen(&network, true, &Settings::default()).unwrap();
+        let screened = screen(&network, true).unwrap();
         assert_eq!(removed(&screened), visit.collect::<Vec<_>>());
         assert!(screened.jumps.is_empty());
     }
@@ -136,7 +136,7 @@ fn an_interruption_of_each_station_is_found() {
                 reading.length_mm += change_mm;
             }
         }
-        let screened = screen(&network, true, &Settings::default()).unwrap();
+        let screened = screen(&network, true).unwrap();
         assert_eq!(
             screened.jumps.len(),
             4,
@@ -177,7 +177,7 @@ fn drifts_and_displacements_are_no_interruptions() {
             }
         }
         for network in [drifting, shifted] {
-            let outcome = screen(&network, true, &Settings::default());
+            let outcome = screen(&network, true);
             let jumps = outcome.as_ref().map(|s| s.jumps.len());
             println!("{size_mm} mm: {jumps:?} jumps");
             assert!(!outcome.is_ok_and(|s| !s.jumps.is_empty()));
@@ -194,7 +194,7 @@ fn clean_lengths_are_left_alone() {
     let mut touched = 0;
     for _ in 0..40 {
         let network = noisy(&truth, &mut rng);
-        let screened = screen(&network, true, &Settings::default()).unwrap();
+        let screened = screen(&network, true).unwrap();
         touched += usize::from(!screened.removed.is_empty() || !screened.jumps.is_empty());
     }
     println!("{touched} of 40 clean campaigns lost a length or were split");

@@ -2,7 +2,7 @@
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use trueaxis_multilateration::{Noise, Settings, solve};
+use trueaxis_multilateration::{Noise, solve};
 use trueaxis_screening::{NoiseBasis, estimate_noise};
 
 use crate::world::{add_noise, network, tied, truth};
@@ -23,9 +23,8 @@ fn estimates(
                 network = tied(&network);
             }
             network.noise = given;
-            let settings = Settings::default();
-            let mut solution = solve(&network, &settings).unwrap();
-            let noise = estimate_noise(&mut network, &mut solution, true, &settings).unwrap();
+            let mut solution = solve(&network).unwrap();
+            let noise = estimate_noise(&mut network, &mut solution, true).unwrap();
             assert_eq!(noise.basis, NoiseBasis::Components);
             let (l, m) = (noise.length, noise.repeatability);
             [l.sigma_mm, l.u_mm, m.sigma_mm, m.u_mm].map(|mm| mm * 1e3)
