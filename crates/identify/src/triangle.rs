@@ -35,19 +35,15 @@ pub fn triangle_mismatch(
             measured: measured.len(),
         });
     }
-    let targets: Vec<_> = nominal.iter().zip(measured).enumerate().collect();
-    let mut sides = Vec::new();
-    for (i, &(first, (nominal_first, measured_first))) in targets.iter().enumerate() {
-        for &(second, (nominal_second, measured_second)) in &targets[i + 1..] {
-            sides.push(SideMismatch {
-                first,
-                second,
-                nominal_mm: (nominal_second - nominal_first).norm(),
-                measured_mm: (measured_second - measured_first).norm(),
-            });
-        }
-    }
-    Ok(sides)
+    let count = nominal.len();
+    let pairs = (0..count).flat_map(|first| (first + 1..count).map(move |second| (first, second)));
+    let side = |(first, second): (usize, usize)| SideMismatch {
+        first,
+        second,
+        nominal_mm: (nominal[second] - nominal[first]).norm(),
+        measured_mm: (measured[second] - measured[first]).norm(),
+    };
+    Ok(pairs.map(side).collect())
 }
 
 #[cfg(test)]

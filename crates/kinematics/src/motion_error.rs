@@ -56,14 +56,6 @@ impl MotionError {
             v.fixed_rows::<3>(3).into_owned(),
         )
     }
-
-    /// The error on the straight line from `self` (weight 0) to `other` (weight 1).
-    pub fn interpolate(&self, other: &Self, weight: f64) -> Self {
-        Self::new(
-            self.translation_mm.lerp(&other.translation_mm, weight),
-            self.rotation_rad.lerp(&other.rotation_rad, weight),
-        )
-    }
 }
 
 #[cfg(test)]

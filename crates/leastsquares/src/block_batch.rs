@@ -104,7 +104,7 @@ impl BlockBatch {
     }
 
     /// The sizes.
-    pub fn shape(&self) -> Shape {
+    pub(crate) fn shape(&self) -> Shape {
         self.shape
     }
 
@@ -161,19 +161,19 @@ impl BlockBatch {
 
     /// The derivatives of a row by the blocks' own unknowns.
     #[inline(always)]
-    pub fn own_row(&self, row: usize) -> &[Lanes] {
+    pub(crate) fn own_row(&self, row: usize) -> &[Lanes] {
         &self.row(row)[..self.shape.unknowns]
     }
 
     /// The residual of a row, observed minus computed.
     #[inline(always)]
-    pub fn residual(&self, row: usize) -> Lanes {
+    pub(crate) fn residual(&self, row: usize) -> Lanes {
         self.row(row)[self.shape.residual()]
     }
 
     /// Writes the shared unknowns' elements of a row to the front of `place`, which is zero.
     #[inline(always)]
-    pub fn copy_shared_row(&self, row: usize, place: &mut [Lanes]) {
+    pub(crate) fn copy_shared_row(&self, row: usize, place: &mut [Lanes]) {
         let Shape { in_runs, .. } = self.shape;
         let (run, rest) = self.row(row)[self.shape.unknowns..self.shape.residual()].split_at(RUN);
         if in_runs > 0 {

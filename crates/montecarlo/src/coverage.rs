@@ -50,19 +50,9 @@ pub(crate) fn symmetric(sorted: &[f64], ranks: Ranks) -> Interval {
 
 /// The shortest interval; of equally short ones the lowest.
 pub(crate) fn shortest(sorted: &[f64], ranks: Ranks) -> Interval {
-    let intervals = sorted.iter().zip(&sorted[ranks.q..]);
-    intervals
-        .map(|(low, high)| Interval {
-            low: *low,
-            high: *high,
-        })
-        .reduce(|best, next| {
-            if next.width() < best.width() {
-                next
-            } else {
-                best
-            }
-        })
+    let ends = sorted.iter().zip(&sorted[ranks.q..]);
+    ends.map(|(&low, &high)| Interval { low, high })
+        .min_by(|a, b| a.width().total_cmp(&b.width()))
         .unwrap_or_else(|| symmetric(sorted, ranks))
 }
 

@@ -1,13 +1,4 @@
-//! How the whitened lengths enter a solved network: the rows of the hat matrix, batch by batch.
-//!
-//! With the whitened Jacobian `J = [A | B]` of a group and the factors `R⁻¹`, `Z`, `Σ` of the covariance
-//! ([`trueaxis_leastsquares::Covariance`]):
-//!
-//! ```text
-//! J Q Jᵀ = [same group] O Oᵀ + T Σ Tᵀ      O = A R⁻¹      T = B - A Z
-//! ```
-//!
-//! so what needs the hat matrix is linear in the number of lengths.
+//! How the whitened lengths enter a solved network: the rows `O`, `T` of the hat matrix ([`HatRows`]), batch by batch.
 
 use std::ops::Range;
 use std::sync::Arc;

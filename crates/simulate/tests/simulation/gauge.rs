@@ -28,11 +28,13 @@ impl Curves {
                 &truth.errors[..count],
                 &truth.errors[truth.errors.len() - count..],
             );
-            let pairs = up.iter().zip(down);
+            let mean = |(up, down): (&MotionError, &MotionError)| {
+                MotionError::from_vector(&up.to_vector().lerp(&down.to_vector(), 0.5))
+            };
             Self {
                 axis: machine.axes()[machine.axis_index(&truth.name).unwrap()].clone(),
                 q: truth.positions[..count].to_vec(),
-                mean: pairs.map(|(up, down)| up.interpolate(down, 0.5)).collect(),
+                mean: up.iter().zip(down).map(mean).collect(),
             }
         });
         curves.collect()
