@@ -23,8 +23,7 @@
 #![doc = include_str!("../examples/nine.rs")]
 #![doc = "```"]
 //!
-//! [`rigid_misfit`] tests whether the points of a step moved as one body, [`triangle_mismatch`]
-//! whether measured targets are the nominal ones.
+//! [`rigid_misfit`] tests whether the points of a step moved as one body.
 //!
 //! The crate does not measure points, and it leaves squareness and other location errors in what it
 //! finds: separating them needs all steps of a run.
@@ -39,7 +38,6 @@ mod operator;
 mod pose;
 mod rigid_factors;
 mod six_rows;
-mod triangle;
 
 pub use body::{BodyNoise, BodyPoseNoise, BodyPoses, BodyStep, StepPose, poses_of_body};
 pub use design::equations;
@@ -49,4 +47,3 @@ pub use nine::{nine, nine_weighted};
 pub use operator::Operator;
 pub use pose::{Equations, MeasuredPose, StepPoints, pose_from_points};
 pub use six_rows::SixRows;
-pub use triangle::{SideMismatch, triangle_mismatch};

@@ -1,7 +1,6 @@
 //! The measured shape of the targets against the nominal one.
 
 use nalgebra::Point3;
-use trueaxis_identify::triangle_mismatch;
 
 use crate::identify::context::Context;
 use crate::result::calibration::TriangleSide;
@@ -26,21 +25,19 @@ pub(crate) fn triangle(
         for run in &axis.runs {
             let seen = run.targets.iter();
             let seen = seen.filter_map(|&t| Some((&targets[t], mean_mm[t]?)));
-            let (seen, measured): (Vec<_>, Vec<_>) = seen.unzip();
-            let nominal: Vec<_> = seen.iter().map(|target| target.home_mm).collect();
-            let Ok(sides) = triangle_mismatch(&nominal, &measured) else {
-                continue;
-            };
+            let seen: Vec<_> = seen.collect();
             let limit_mm = TRIANGLE_TOL_MM.max(TRIANGLE_TOL_SIGMAS * (2.0 * variance_mm2).sqrt());
-            for side in sides {
-                let names = [side.first, side.second].map(|i| seen[i].name.clone());
-                let known = found.iter().any(|other| other.targets == names);
-                if !known && (side.measured_mm - side.nominal_mm).abs() > limit_mm {
-                    found.push(TriangleSide {
-                        targets: names,
-                        nominal_mm: side.nominal_mm,
-                        measured_mm: side.measured_mm,
-                    });
+            for (i, (first, first_mm)) in seen.iter().enumerate() {
+                for (second, second_mm) in &seen[i + 1..] {
+                    let side = TriangleSide {
+                        targets: [first, second].map(|target| target.name.clone()),
+                        nominal_mm: (second.home_mm - first.home_mm).norm(),
+                        measured_mm: (second_mm - first_mm).norm(),
+                    };
+                    let known = found.iter().any(|other| other.targets == side.targets);
+                    if !known && (side.measured_mm - side.nominal_mm).abs() > limit_mm {
+                        found.push(side);
+                    }
                 }
             }
         }
