@@ -11,7 +11,7 @@
 //! interrupted and found again with another zero.
 //!
 //! Noun in: a [`Network`]; noun out: a [`Screened`] network with its solution, the lengths that were removed, the
-//! jumps of zeros, and the noise that the residuals show ([`estimate_noise`]). [`Screened::reliability`] says how far
+//! jumps of zeros, and the noise that the residuals show ([`estimate_noise`]). [`Screened::tests`] says how far
 //! the lengths check each other. Lengths are mm; indices are those of the network that came in.
 //!
 //! The adjustment is that of [`trueaxis_multilateration`]. Screening uses only these quantities of the solution: the tests of
@@ -52,7 +52,6 @@ mod uneven;
 pub use error::{Error, Part};
 pub use estimate_noise::{NoiseBasis, NoiseEstimate, PartEstimate, estimate_noise};
 pub use guard::{MOST_OF_A_PART, MOST_REMOVED, is_concentrated};
-pub use reliability::Reliability;
 pub use screen::{screen, screen_within};
 pub use screened::{Jump, Removed, Screened, WanderingZero};
 pub use uneven::{factors_of_readings, station_factors, uneven_stations};

@@ -95,7 +95,7 @@ fn screen_by(network: &Network, mut work: Search) -> Result<Screened, Error> {
         work.go_on_from(&screened)?;
         if !work.suspicious()? {
             screened.removed = work.removed()?;
-            screened.reliability = work.reliability(&screened.solution);
+            screened.tests = work.tests_at(&screened.solution);
             return Ok(screened);
         }
     }

@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use trueaxis_multilateration::{Network, Solution, solve};
+use trueaxis_multilateration::{Network, Solution, Tests, solve};
 
 use crate::Error;
 use crate::estimate_noise::{NoiseEstimate, estimate_noise};
-use crate::reliability::Reliability;
 
 /// A network that was cleaned and solved.
 #[derive(Debug, Clone)]
@@ -30,8 +29,8 @@ pub struct Screened {
     pub wandering: Vec<WanderingZero>,
     /// Whether the search came to an end. If not, tests still ask for changes.
     pub settled: bool,
-    /// Reliability of every reading at the solution, where the search has found it ([`Screened::reliability`]).
-    pub reliability: Option<Arc<Vec<Reliability>>>,
+    /// The tests at the solution, where the search has made them ([`Screened::tests`]).
+    pub tests: Option<Arc<Tests>>,
 }
 
 /// A reading that contradicts the others.
@@ -94,8 +93,14 @@ impl Screened {
             jumps: Vec::new(),
             wandering: Vec::new(),
             settled: true,
-            reliability: None,
+            tests: None,
         })
+    }
+
+    /// The tests of every reading and visit of the network: how far the others check each.
+    pub fn tests(&self) -> Arc<Tests> {
+        let made = self.tests.clone();
+        made.unwrap_or_else(|| Arc::new(self.solution.tests(&self.network)))
     }
 
     /// Observed minus computed length of every reading of the original network, mm.

@@ -5,7 +5,6 @@ mod far_readings;
 mod snooping;
 mod splits;
 
-use std::rc::Rc;
 use std::sync::Arc;
 
 use trueaxis_leastsquares::student_two_sided;
@@ -17,7 +16,6 @@ use trueaxis_multilateration::{
 use self::far_readings::far_at;
 use crate::estimate_noise::NoiseEstimate;
 use crate::interruption::Excluded;
-use crate::reliability::{Reliability, of_tests};
 use crate::robust_weights::{REMOVED, scale};
 use crate::screened::Screened;
 use crate::step_tests::StepTest;
@@ -68,7 +66,7 @@ pub(crate) struct Search {
     /// Where the first solution starts.
     start: Option<Start>,
     /// The tests at the solution, once they were asked for.
-    tests: Option<Rc<Tests>>,
+    tests: Option<Arc<Tests>>,
     /// The largest step of each zero there, once they were sought.
     largest_steps: Option<Vec<StepTest>>,
     /// Whether the network's noise is more than a guess.
@@ -249,13 +247,13 @@ impl Search {
     }
 
     /// The tests at the present solution, and their scale.
-    fn tests(&mut self) -> Result<(Rc<Tests>, f64), Error> {
+    fn tests(&mut self) -> Result<(Arc<Tests>, f64), Error> {
         if self.solution.is_none() {
             self.solve()?;
         }
         let all = |solution: &Arc<Solution>| solution.tests(&self.network);
-        let new = || Rc::new(self.solution.as_ref().map(all).unwrap_or_default());
-        let tests = Rc::clone(self.tests.get_or_insert_with(new));
+        let new = || Arc::new(self.solution.as_ref().map(all).unwrap_or_default());
+        let tests = Arc::clone(self.tests.get_or_insert_with(new));
         let scale = match (self.noise_known, self.declared) {
             (Some(_), _) => 1.0,
             // With few lengths the median may be small by chance; what is declared is not.
@@ -265,12 +263,12 @@ impl Search {
         Ok((tests, scale))
     }
 
-    /// Reliability of every reading at a solution, if it is the present one and was tested.
-    pub(crate) fn reliability(&self, solution: &Arc<Solution>) -> Option<Arc<Vec<Reliability>>> {
-        let present = self.solution.as_ref();
-        let present = present.filter(|present| Arc::ptr_eq(present, solution));
-        let tests = present.and(self.tests.as_ref());
-        tests.map(|tests| Arc::new(of_tests(&tests.readings)))
+    /// The tests at a solution, if it is the present one and was tested.
+    pub(crate) fn tests_at(&self, solution: &Arc<Solution>) -> Option<Arc<Tests>> {
+        let present = self.solution.as_ref()?;
+        self.tests
+            .clone()
+            .filter(|_| Arc::ptr_eq(present, solution))
     }
 
     fn scale(&self, tests: &[ReadingTest]) -> f64 {

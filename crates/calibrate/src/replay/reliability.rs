@@ -50,11 +50,13 @@ impl Replay<'_> {
         let mut errors_mm = vec![0.0; rows];
         let mut effects = DMatrix::zeros(rows, columns);
         let mut lengths = Vec::with_capacity(rows);
-        let internal = screened.reliability();
-        for (row, (internal, &reading)) in internal.iter().zip(&screened.kept).enumerate() {
+        let tests = screened.tests();
+        let detectable = screened.minimal_detectable();
+        for (row, (test, &reading)) in tests.readings.iter().zip(&screened.kept).enumerate() {
             let mut worst = (0, 0.0);
-            if internal.minimal_detectable_mm.is_finite() {
-                errors_mm[row] = internal.minimal_detectable_mm;
+            let minimal_detectable_mm = detectable * test.sigma_mm;
+            if minimal_detectable_mm.is_finite() {
+                errors_mm[row] = minimal_detectable_mm;
                 let changes = responses.to(&errors_mm);
                 errors_mm[row] = 0.0;
                 for (column, (effect, result)) in changes.iter().zip(self.results()).enumerate() {
@@ -67,8 +69,8 @@ impl Replay<'_> {
             }
             lengths.push(LengthReliability {
                 reading,
-                redundancy: internal.redundancy,
-                minimal_detectable_mm: internal.minimal_detectable_mm,
+                redundancy: test.redundancy,
+                minimal_detectable_mm,
                 worst,
             });
         }

@@ -105,7 +105,7 @@ impl LengthsAdjustment<'_> {
         Ok(Screened {
             solution: Arc::new(solution.map_err(words)?),
             network,
-            reliability: None,
+            tests: None,
             ..self.screened.clone()
         })
     }

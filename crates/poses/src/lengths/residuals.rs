@@ -8,15 +8,15 @@ impl LengthsAdjustment<'_> {
     pub(crate) fn residuals(&self) -> Vec<Residual> {
         let screened = &self.screened;
         let solution = &screened.solution;
-        let reliability = screened.reliability();
+        let tests = screened.tests();
         let used = screened.kept.iter().zip(&solution.residuals_mm);
-        let used = used.zip(&*reliability);
-        let used = used.map(|((&reading, &residual_mm), reliability)| Residual {
+        let used = used.zip(&tests.readings);
+        let used = used.map(|((&reading, &residual_mm), test)| Residual {
             reading,
             coordinate: None,
             residual_mm,
-            standardized: reliability.standardized,
-            redundancy: Some(reliability.redundancy),
+            standardized: test.w,
+            redundancy: Some(test.redundancy),
         });
         let removed = screened.removed.iter().map(|removed| Residual {
             reading: removed.reading,

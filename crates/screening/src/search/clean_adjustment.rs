@@ -57,7 +57,7 @@ impl Search {
             jumps: self.found_jumps(&network, &solution),
             wandering,
             settled: self.settled,
-            reliability: None,
+            tests: None,
             network,
             solution: Arc::new(solution),
             noise,
