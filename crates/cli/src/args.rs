@@ -45,7 +45,7 @@ pub(crate) enum Verb {
     Check(CheckArgs),
     /// Finds all component and location errors; writes calibration.json.
     ///
-    /// Beside it: covariance.npz, residuals.csv (of lengths), report.html.
+    /// Beside it: covariance.npz, residuals.csv, report.html.
     Calibrate(CalibrateArgs),
     /// Predicts the error of the tool at any positions from a calibration; writes predicted.csv.
     Predict(PredictArgs),

@@ -91,7 +91,7 @@ pub(crate) fn read(path: &Path, scene: &Scene, campaign: &str) -> anyhow::Result
     let is_kept = |effect: &GivenEffect| LOST_MOTION.contains(&effect.effect.as_str());
     if file.effects.iter().any(is_kept) {
         notice(
-            "lost motion is taken out, but the machine keeps it: for what it does in use calibrate without it, --by-direction",
+            "lost motion is taken out, but the machine still has it: for its errors in use, calibrate --by-direction without --with-effects",
         );
     }
     if exact {

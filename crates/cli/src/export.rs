@@ -61,7 +61,9 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
     if format.old_files(machine.machine()).is_ok() {
         notice(&said_of_old);
     } else {
-        notice("right only if the control's own correction was off while the machine was measured");
+        notice(
+            "these tables are valid only if the control's own correction was off while the machine was measured",
+        );
     }
     let (before, after) = (&tables.announcement.before, &tables.announcement.after);
     if after.rms_mm > before.rms_mm || after.max_mm > before.max_mm {

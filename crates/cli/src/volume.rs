@@ -167,7 +167,7 @@ fn after_lines(after: &Remains) -> Vec<String> {
         lines.push(line("all axes corrected", &after.all));
     }
     if after.u_rms_mm.is_nan() {
-        lines.push("  and what the calibration does not know, of which it says nothing".to_owned());
+        lines.push("  and what the calibration does not know: its uncertainties are not stated (import calibration: --u-um)".to_owned());
         return lines;
     }
     lines.push(format!(

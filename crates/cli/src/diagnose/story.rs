@@ -172,7 +172,7 @@ fn verdict(diagnosis: &Diagnosis) -> String {
         Verdict::NotJudged => "nothing was judged".to_owned(),
         Verdict::Clean => "clean, nothing contradicts the model".to_owned(),
         Verdict::Named if count > 1 => {
-            format!("the data contradict the model, for {count} causes{more}")
+            format!("the data contradict the model, and {count} causes are clear{more}")
         }
         Verdict::Named => format!("the data contradict the model, and the cause is clear{more}"),
         Verdict::Ambiguous if of_misfit(diagnosis).all(causes::is_clear_but_for_its_form) => {

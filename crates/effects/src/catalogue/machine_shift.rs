@@ -16,6 +16,6 @@ pub(super) const EFFECT: Effect = Effect {
         cause: "the machine shifted: referencing, a collision, an axis that was switched off, a clamp that let go",
         consequence: "points before and after it do not belong to one machine",
         action: "find what happened at this instant, reference the machine again, measure again",
-        separate_by: "read fixed points on the bed (three targets, if by a tracker) before and after: they stand still when the machine shifted, and move against an instrument or a tripod that was bumped",
+        separate_by: "read fixed points on the bed (three targets, if by a tracker) before and after: their readings stay if the machine shifted, and jump if the instrument or its tripod was bumped",
     },
 };

@@ -20,6 +20,6 @@ pub(super) const EFFECT: Effect = Effect {
         cause: "the tripod or the floor under it gives way, or the tracker moves as it warms up",
         consequence: "points measured late in the occupation are off; squareness and straightness are distorted",
         action: "let the tripod settle, shade it, fix it to the floor, measure this station again",
-        separate_by: "read three fixed targets on the bed at the start and the end of the occupation: they move against a tripod that creeps, not against a machine that drifts",
+        separate_by: "read three fixed targets on the bed at the start and the end of the occupation: their readings change if the tripod creeps, and stay if the machine drifts",
     },
 };

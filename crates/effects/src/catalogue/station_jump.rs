@@ -19,6 +19,6 @@ pub(super) const EFFECT: Effect = Effect {
         cause: "somebody or something bumped the tripod",
         consequence: "the rest of the occupation was measured from another place",
         action: "measure this station again from the start of the occupation, or treat the rest as a station of its own",
-        separate_by: "read three fixed targets on the bed before and after: they move against a tripod that was bumped, not against a machine that shifted",
+        separate_by: "read three fixed targets on the bed before and after: their readings jump if the tripod was bumped, and stay if the machine shifted",
     },
 };
