@@ -42,7 +42,7 @@ impl Knot {
         distances.fold(f64::INFINITY, f64::min)
     }
 
-    fn nodes(&self) -> impl Iterator<Item = usize> {
+    fn nodes(&self) -> impl Iterator<Item = usize> + Clone {
         self.steps.iter().flat_map(|step| &step.nodes).copied()
     }
 }
@@ -104,12 +104,8 @@ pub(crate) fn shared(
 }
 
 fn of_nodes(knots: &[Knot], weight: impl Fn(&Knot) -> f64) -> Vec<(usize, f64)> {
-    let mut weights = Vec::new();
-    for knot in knots {
-        let nodes: Vec<usize> = knot.nodes().collect();
-        weights.extend(shared(nodes.iter().copied(), weight(knot)));
-    }
-    weights
+    let of_knot = |knot| shared(Knot::nodes(knot), weight(knot));
+    knots.iter().flat_map(of_knot).collect()
 }
 
 /// As many knots of the turns before and after as a polynomial at the ends takes; those of both ends that are nearly at

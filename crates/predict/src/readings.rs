@@ -10,12 +10,12 @@
 
 use nalgebra::{DMatrix, Matrix6xX, Point3, RowDVector, RowVector3, Vector3, Vector6};
 use trueaxis_campaign::{Direction, VerificationKind};
-use trueaxis_kinematics::{AxisKind, Branch, GeometricErrors, Ideal, MICROMETRE, Machine};
+use trueaxis_kinematics::axis_twist::TRANSLATION;
+use trueaxis_kinematics::{AxisKind, Branch, GeometricErrors, Ideal, MICROMETRE, Machine, Twist};
 
 use crate::approach::Approach;
 use crate::calibrated_machine::{CalibratedAxis, CalibratedMachine};
 use crate::predict::influences;
-use trueaxis_kinematics::axis_twist::TRANSLATION;
 
 /// Positions of an axis this close are one, mm or rad.
 const SAME: f64 = 1e-9;
@@ -227,12 +227,8 @@ impl CalibratedMachine {
         let home_mm = measured_home_mm(kind);
         let point = self.machine.position(self, last, commanded, home_mm);
         let twists = self.twists(self.machine.chain(last), commanded);
-        let counts = twists.iter().map(|(axis, twist)| {
-            let counts = along * twist.at(point);
-            let columns = counts.iter().copied();
-            (*axis, RowDVector::from_iterator(counts.ncols(), columns))
-        });
-        self.row_of(counts, commanded, from)
+        let counts = |(axis, twist): &(_, Twist)| (*axis, along * twist.at(point));
+        self.row_of(twists.iter().map(counts), commanded, from)
     }
 
     /// The same, from what one unit of each of [`trueaxis_kinematics::axis_twist`] of each axis does to the reading.
@@ -256,8 +252,7 @@ impl CalibratedMachine {
             let places = influences(&self.machine, axis, &sample, &effect);
             row.results
                 .extend(places.into_iter().map(|(place, c)| (place, c[0])));
-            let of_components = counts.columns(TRANSLATION, 6);
-            let of_components = Vector6::from_iterator(of_components.iter().copied());
+            let of_components = counts.fixed_columns::<6>(TRANSLATION).transpose();
             let u = axis.remainder.u(&sample);
             let side = from.filter(|(measured, _)| *measured == axis.axis);
             let gap = axis.curve.gap(position, side.map(|(_, side)| side));

@@ -5,7 +5,7 @@ mod draws;
 pub(crate) mod places;
 pub(crate) mod statistics;
 
-use nalgebra::{Point3, Vector6};
+use nalgebra::{Point3, Vector3, Vector6};
 use rayon::prelude::*;
 use trueaxis_kinematics::{Ideal, MotionError};
 
@@ -108,13 +108,9 @@ impl CalibratedMachine {
             home: zero,
         };
         let drawn = subset.drawn(self, settings);
-        let mut values = whole.to_array().into_iter();
-        let of_figures = |k: usize| Figure {
-            value: values.next().unwrap_or_default(),
-            drawn: drawn.as_ref().map(|drawn| drawn[k]),
-        };
-        let with_intervals = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11].map(of_figures);
-        let figures = Figures::from_array(with_intervals.map(Figure::corrected));
+        let values = whole.to_array();
+        let figure = |k: usize| Figure::new(values[k], drawn.as_ref().map(|drawn| drawn[k]));
+        let figures = Figures::from_array(std::array::from_fn(figure));
         Volume {
             worst: places.at(worst),
             worst_error: MotionError::from_vector(&(errors[worst] - zero)),
@@ -135,16 +131,16 @@ impl CalibratedMachine {
 
 /// What is subtracted: the displacement at home.
 pub(crate) fn zeroing(home: &MotionError) -> Vector6<f64> {
-    MotionError::new(home.translation_mm, nalgebra::Vector3::zeros()).to_vector()
+    MotionError::new(home.translation_mm, Vector3::zeros()).to_vector()
 }
 
 impl Figure {
-    /// The interval about the value of all places; it was drawn about that of some.
-    fn corrected(mut self) -> Self {
-        if let Some(drawn) = &mut self.drawn {
-            drawn.interval = drawn.interval.map(|off| (self.value + off).max(0.0));
+    /// With the interval about the value of all places; it was drawn about that of some.
+    fn new(value: f64, mut drawn: Option<Drawn>) -> Self {
+        if let Some(drawn) = &mut drawn {
+            drawn.interval = drawn.interval.map(|off| (value + off).max(0.0));
         }
-        self
+        Self { value, drawn }
     }
 }
 
@@ -188,38 +184,27 @@ impl Subset {
 
     /// Share of each component in the mean square.
     fn shares(&self, machine: &CalibratedMachine) -> Vec<(String, f64)> {
-        let (values, parts) = (machine.values(), machine.parts());
-        let mut part_of = vec![0; values.len()];
-        for (number, part) in parts.iter().enumerate() {
-            part.places
-                .iter()
-                .for_each(|&place| part_of[place] = number);
-        }
+        let (values, (names, part_of)) = (machine.values(), machine.parts());
         let by_part = |coefficients: &Coefficients| {
-            let mut sums = vec![nalgebra::Vector3::<f64>::zeros(); parts.len()];
+            let mut sums = vec![Vector3::<f64>::zeros(); names.len()];
             for (place, c) in coefficients {
                 sums[part_of[*place]] += c.fixed_rows::<3>(0) * values[*place];
             }
             sums
         };
         let at_home = by_part(&self.of_home);
-        let mut products = vec![0.0; parts.len()];
+        let mut products = vec![0.0; names.len()];
         for coefficients in &self.coefficients {
             let mut sums = by_part(coefficients);
             sums.iter_mut()
                 .zip(&at_home)
                 .for_each(|(sum, home)| *sum -= home);
-            let whole: nalgebra::Vector3<f64> = sums.iter().sum();
+            let whole: Vector3<f64> = sums.iter().sum();
             let terms = products.iter_mut().zip(&sums);
             terms.for_each(|(product, part)| *product += part.dot(&whole));
         }
         let square: f64 = products.iter().sum();
         let share = |product: &f64| if square > 0.0 { product / square } else { 0.0 };
-        let shares = products.iter().map(share);
-        parts
-            .into_iter()
-            .map(|part| part.name)
-            .zip(shares)
-            .collect()
+        names.into_iter().zip(products.iter().map(share)).collect()
     }
 }

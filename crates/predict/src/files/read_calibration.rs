@@ -215,12 +215,8 @@ impl Measured {
             let values = curves
                 .iter()
                 .map(|(_, unit, curve, _)| curve.value_um[k] * unit.size());
-            let position = entry.positions[k];
             let node = Node {
-                position: match kind {
-                    AxisKind::Linear => position,
-                    AxisKind::Rotary => position.to_radians(),
-                },
+                position: kind.position_from_file(entry.positions[k]),
                 direction: entry.direction.as_ref().map(|sides| match sides[k] > 0 {
                     true => Direction::Forward,
                     false => Direction::Backward,

@@ -2,20 +2,13 @@
 //! shares.
 
 use nalgebra::{Point3, Vector6};
+use trueaxis_kinematics::Component;
 
 use crate::calibrated_machine::CalibratedMachine;
 use crate::predict::influences;
 
 /// Coefficients of the results in displacement and rotation at a place (mm, rad for mm, rad).
 pub(crate) type Coefficients = Vec<(usize, Vector6<f64>)>;
-
-/// A component or location error of one axis, with the values of all its results.
-pub(crate) struct Part {
-    /// ISO 230-1 name.
-    pub(crate) name: String,
-    /// Places of its results among all.
-    pub(crate) places: Vec<usize>,
-}
 
 impl CalibratedMachine {
     /// The coefficients at a place.
@@ -45,30 +38,25 @@ impl CalibratedMachine {
         values
     }
 
-    /// The component errors of all axes, then the location errors.
-    pub(crate) fn parts(&self) -> Vec<Part> {
-        let mut parts = Vec::new();
+    /// ISO 230-1 names of the component errors of all axes, then of the location errors; and for each result the place of
+    /// its name among them.
+    pub(crate) fn parts(&self) -> (Vec<String>, Vec<usize>) {
+        let (mut names, mut part_of) = (Vec::new(), Vec::new());
         for axis in &self.axes {
             let name = self.machine.axes()[axis.axis].name();
-            for component in trueaxis_kinematics::Component::ALL {
-                let nodes = 0..axis.errors.len();
-                parts.push(Part {
-                    name: component.name(name),
-                    places: nodes
-                        .map(|node| axis.first + 6 * node + component.index())
-                        .collect(),
-                });
+            for _ in &axis.errors {
+                part_of.extend(names.len()..names.len() + Component::ALL.len());
+            }
+            names.extend(Component::ALL.map(|component| component.name(name)));
+        }
+        for axis in &self.axes {
+            let name = self.machine.axes()[axis.axis].name();
+            for component in &axis.reported {
+                part_of.push(names.len());
+                names.push(component.name(name));
             }
         }
-        for axis in &self.axes {
-            let name = self.machine.axes()[axis.axis].name();
-            let reported = axis.reported.iter().enumerate();
-            parts.extend(reported.map(|(i, component)| Part {
-                name: component.name(name),
-                places: vec![axis.first_location + i],
-            }));
-        }
-        parts
+        (names, part_of)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The figures of many errors.
 
-use nalgebra::{DMatrix, Matrix6, Point3, Vector3, Vector6};
+use nalgebra::{DMatrix, Matrix3x6, Matrix6, Point3, Vector3, Vector6};
+use trueaxis_kinematics::centroid;
 use trueaxis_leastsquares::dense::Svd;
 
 /// Share of the places whose error a percentile is not less than.
@@ -68,12 +69,12 @@ pub(crate) struct RigidFit {
 impl RigidFit {
     /// Over nominal points on the workpiece, mm. What they do not determine is left out.
     pub(crate) fn new(points: &[Point3<f64>]) -> Self {
-        let count = points.len().max(1) as f64;
-        let sum: Vector3<f64> = points.iter().map(|p| p.coords).sum();
-        let centre = Point3::from(sum / count);
+        let centre = centroid(points);
         let squares: f64 = points.iter().map(|p| (p - centre).norm_squared()).sum();
         // Rotations are scaled by the size of the volume, so that singular values compare.
-        let size = (squares / count).sqrt().max(f64::MIN_POSITIVE);
+        let size = (squares / points.len().max(1) as f64)
+            .sqrt()
+            .max(f64::MIN_POSITIVE);
         let mut normal = Matrix6::zeros();
         for p in points {
             let rows = rows((p - centre) / size);
@@ -102,8 +103,8 @@ impl RigidFit {
 }
 
 /// `e = t - [p]ₓ ρ`.
-fn rows(p: Vector3<f64>) -> nalgebra::Matrix3x6<f64> {
-    let mut rows = nalgebra::Matrix3x6::identity();
+fn rows(p: Vector3<f64>) -> Matrix3x6<f64> {
+    let mut rows = Matrix3x6::identity();
     rows.fixed_columns_mut::<3>(3).copy_from(&-p.cross_matrix());
     rows
 }
