@@ -236,7 +236,7 @@ fn announced(machine: &CalibratedMachine, announcement: &Announcement) -> Vec<St
     line("volumetric error, largest", |s| s.max_mm, MICROMETRE, "µm");
     line(
         "rotation of the tool, largest",
-        |s| s.rotation_rad,
+        |s| s.rotation_max_rad,
         ARCSEC,
         "″",
     );

@@ -1,7 +1,7 @@
 //! `trueaxis volume`.
 
 use serde_json::{Value, json};
-use trueaxis_compensate::{Left, Remains, remains};
+use trueaxis_compensate::{Remains, Sizes, remains};
 use trueaxis_files::{counted, point_mm, round};
 use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
 use trueaxis_predict::{CalibratedMachine, Figure, Volume, VolumeSettings};
@@ -132,7 +132,7 @@ const DECIMALS: i32 = 4;
 fn with_after(text: &str, after: &Remains) -> serde_json::Result<Value> {
     let um = |mm: f64| round(mm / MICROMETRE, DECIMALS);
     let arcsec = |rad: f64| round(rad / ARCSEC, DECIMALS);
-    let left = |left: &Left| {
+    let left = |left: &Sizes| {
         json!({
             "rms_um": um(left.rms_mm),
             "max_um": um(left.max_mm),
@@ -152,7 +152,7 @@ fn with_after(text: &str, after: &Remains) -> serde_json::Result<Value> {
 }
 
 fn after_lines(after: &Remains) -> Vec<String> {
-    let line = |what: &str, left: &Left| {
+    let line = |what: &str, left: &Sizes| {
         format!(
             "  {what:22} rms {:.2}, largest {:.2} µm; rotation rms {:.2}, largest {:.2}″",
             left.rms_mm / MICROMETRE,

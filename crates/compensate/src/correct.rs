@@ -31,16 +31,6 @@ pub struct Corrected {
     pub contraction: f64,
 }
 
-impl Corrected {
-    /// What was added to each commanded position, mm or rad.
-    pub(crate) fn added_to(&self, commanded: &[f64]) -> Vec<f64> {
-        let pairs = self.positions.iter().zip(commanded);
-        pairs
-            .map(|(corrected, commanded)| corrected - commanded)
-            .collect()
-    }
-}
-
 /// The positions of all axes that bring the tool where a machine without errors brings it at `commanded` (mm or rad in
 /// the order of [`Machine::axes`]), as far as the axes that are moved can.
 ///
@@ -96,6 +86,18 @@ pub fn correct(
         let pairs = positions.iter_mut().zip(correction);
         pairs.for_each(|(position, correction)| *position += correction);
     }
+}
+
+/// What [`correct`] adds to each commanded position where the linear axes alone are moved, mm or rad.
+pub(crate) fn added(
+    machine: &Machine,
+    errors: &impl GeometricErrors,
+    commanded: &[f64],
+    tool_home_mm: Point3<f64>,
+) -> Result<Vec<f64>, Error> {
+    let corrected = correct(machine, errors, commanded, tool_home_mm, Moved::Linear)?;
+    let pairs = corrected.positions.iter().zip(commanded);
+    Ok(pairs.map(|(corrected, at)| corrected - at).collect())
 }
 
 /// By how much the axes deviate from where they were commanded to be, as far as the tool shows it: the displacements

@@ -23,7 +23,7 @@ use trueaxis_kinematics::{AxisKind, Branch, Machine};
 use trueaxis_predict::CalibratedMachine;
 
 use crate::Error;
-pub use announcement::{Announcement, LineFigures, Sizes};
+pub use announcement::{Announcement, LineFigures};
 use old_files::OldFiles;
 use sides::Sides;
 

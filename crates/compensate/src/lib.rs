@@ -20,16 +20,18 @@ mod export;
 mod freedom;
 mod import;
 mod remains;
+mod sizes;
 mod verify;
 
 pub use correct::{Corrected, axis_deviations, correct};
 pub use error::Error;
 pub use export::{
-    Announcement, Export, ExportedFile, Format, LineFigures, Request, Sizes, TableSign, export,
+    Announcement, Export, ExportedFile, Format, LineFigures, Request, TableSign, export,
 };
 pub use freedom::Moved;
 pub use import::{DeclaredUncertainty, Import, Imported, import};
-pub use remains::{Left, Remains, remains};
+pub use remains::{Remains, remains};
+pub use sizes::Sizes;
 pub use verify::iso_230_2::{Positioning, Side};
 pub use verify::iso_230_4::Circular;
 pub use verify::mistaken::Mistaken;

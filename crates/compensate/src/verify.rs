@@ -247,15 +247,11 @@ fn settle(
         let variance = covariance[(i, i)];
         // Rounding may leave less than zero; what is not known stays so.
         point.u_prediction_um = if variance < 0.0 { 0.0 } else { variance.sqrt() };
-        let predicted = if is_compensated {
-            point.compensated_um
-        } else {
-            point.predicted_um
-        };
         // A reading that the set-up takes up whole says nothing.
         let says = machine.has_uncertainties && projection[(i, i)] > ROUNDING;
         let u_um = point.u_um().filter(|_| says);
-        point.e_n = u_um.map(|u| (point.reading_um - predicted) / (2.0 * u));
+        point.e_n =
+            u_um.map(|u| (point.reading_um - point.expected_um(is_compensated)) / (2.0 * u));
     }
     let e_n = |i: usize| points[i].e_n;
     let judged: Vec<usize> = (0..points.len()).filter(|&i| e_n(i).is_some()).collect();
@@ -297,6 +293,14 @@ impl Point {
     /// Standard uncertainty of reading less prediction, where that of the reading is declared.
     fn u_um(&self) -> Option<f64> {
         self.u_reading_um.map(|u| u.hypot(self.u_prediction_um))
+    }
+
+    /// What is predicted with or without compensation.
+    fn expected_um(&self, is_compensated: bool) -> f64 {
+        match is_compensated {
+            true => self.compensated_um,
+            false => self.predicted_um,
+        }
     }
 
     /// Of one reading, of which nothing is predicted yet.

@@ -4,28 +4,18 @@
 //! of a grid and between them, since a grid may have its nodes where the table has its points.
 //! What the calibration does not know is in none of these figures.
 
-use trueaxis_kinematics::{AxisKind, MotionError};
+use trueaxis_kinematics::MotionError;
 use trueaxis_predict::Places;
 
-use crate::Error;
+use crate::export::line::own_deviation;
 use crate::export::{Request, Rule};
+use crate::{Error, Sizes};
 
 /// Nodes along each linear axis.
 const NODES: usize = 11;
 
 /// Positions along a line.
 const ON_A_LINE: usize = 101;
-
-/// Sizes over the volume.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Sizes {
-    /// Root of the mean square of |e - e(home)|, mm.
-    pub rms_mm: f64,
-    /// Its largest, mm.
-    pub max_mm: f64,
-    /// Largest rotation of the tool, rad.
-    pub rotation_rad: f64,
-}
 
 /// The positioning of one axis along the line of the table.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,18 +98,9 @@ impl<'a> Seen<'a> {
     }
 
     fn over(&self, places: &[Places]) -> Result<Sizes, Error> {
-        let mut sizes = Sizes::default();
         let all = places.iter().flat_map(|p| (0..p.count()).map(|k| p.at(k)));
-        for commanded in all {
-            let error = self.error(&commanded)?;
-            let size = error.translation_mm.norm();
-            sizes.rms_mm += size * size;
-            sizes.max_mm = sizes.max_mm.max(size);
-            sizes.rotation_rad = sizes.rotation_rad.max(error.rotation_rad.norm());
-        }
-        let count: usize = places.iter().map(Places::count).sum();
-        sizes.rms_mm = (sizes.rms_mm / count as f64).sqrt();
-        Ok(sizes)
+        let errors = all.map(|commanded| Ok(self.error(&commanded)?.to_vector()));
+        Ok(Sizes::of(&errors.collect::<Result<Vec<_>, Error>>()?))
     }
 
     fn on_the_line_of(&self, axis: usize) -> Result<f64, Error> {
@@ -131,11 +112,7 @@ impl<'a> Seen<'a> {
             let mut commanded = vec![0.0; machine.axes().len()];
             commanded[axis] = first + (last - first) * k as f64 / (ON_A_LINE - 1) as f64;
             let error = self.error(&commanded)?;
-            let direction = machine.axes()[axis].direction().into_inner();
-            let deviation = match machine.axes()[axis].kind() {
-                AxisKind::Linear => direction.dot(&error.translation_mm),
-                AxisKind::Rotary => direction.dot(&error.rotation_rad),
-            };
+            let deviation = own_deviation(self.request, axis, &error)[axis];
             low = deviation.min(low);
             high = deviation.max(high);
         }

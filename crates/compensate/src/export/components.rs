@@ -1,14 +1,14 @@
 //! All component and location errors, for controls that have a model of the machine of their own.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3, Vector6};
 use trueaxis_kinematics::{
-    Axis, AxisKind, GeometricErrors, LocationComponent, LocationError, Machine, MotionError,
+    Axis, AxisKind, Branch, GeometricErrors, LocationComponent, LocationError, Machine, MotionError,
 };
-use trueaxis_predict::CalibratedMachine;
 
+use crate::Error;
+use crate::correct::added;
 use crate::export::Request;
 use crate::export::line::{interpolate, positions};
-use crate::{Error, Moved, correct};
 
 /// What rounding leaves of a location error that is none, mm or rad.
 const ROUNDING: f64 = 1e-12;
@@ -20,7 +20,7 @@ const NAMES: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];
 /// machine gives them by, linear between points.
 pub(crate) struct Components {
     machine: Machine,
-    at: nalgebra::Point3<f64>,
+    at: Point3<f64>,
     pub(crate) axes: Vec<AxisComponents>,
 }
 
@@ -39,28 +39,22 @@ pub(crate) struct AxisComponents {
 
 impl Components {
     pub(crate) fn new(request: &Request<'_>) -> Result<Self, Error> {
-        let calibrated: &CalibratedMachine = request.machine;
+        let calibrated = request.machine;
         let machine = calibrated.machine();
-        let other = machine
-            .axes()
-            .iter()
-            .find(|axis| !NAMES.contains(&axis.name()));
-        if let Some(axis) = other {
+        let mut axes = machine.axes().iter();
+        if let Some(axis) = axes.find(|axis| !NAMES.contains(&axis.name())) {
             let lacks = format!("this machine has an axis {}", axis.name());
             return Err(request.unsuitable("axes named X, Y, Z, A, B, C", lacks));
         }
         // A shift that is there at home is the zero of the control, unless rotary axes show it.
-        let all_linear = machine
-            .axes()
-            .iter()
-            .all(|axis| axis.kind() == AxisKind::Linear);
-        let origin = nalgebra::Point3::origin();
-        let at_origin = machine.with_axes(|_, axis| match axis.kind() {
-            AxisKind::Linear => axis.with_reference(origin),
-            AxisKind::Rotary => {
-                let point_mm = axis.point_mm();
-                axis.with_reference(point_mm)
-            }
+        let mut axes = machine.axes().iter();
+        let all_linear = axes.all(|axis| axis.kind() == AxisKind::Linear);
+        let at_origin = machine.with_axes(|_, axis| {
+            let point_mm = match axis.kind() {
+                AxisKind::Linear => Point3::origin(),
+                AxisKind::Rotary => axis.point_mm(),
+            };
+            axis.with_reference(point_mm)
         });
         let of_axis = |axis: usize| {
             let geometry = &machine.axes()[axis];
@@ -107,24 +101,19 @@ impl Components {
 
     /// What the control adds: the linear axes bring the tool point to its place.
     pub(crate) fn added(&self, commanded: &[f64]) -> Result<Vec<f64>, Error> {
-        let found = correct(&self.machine, self, commanded, self.at, Moved::Linear)?;
-        Ok(found.added_to(commanded))
+        added(&self.machine, self, commanded, self.at)
     }
 
     /// The convention, for the notes.
     pub(crate) fn notes(&self, request: &Request<'_>) -> Vec<String> {
         let names = |branch| {
-            let axes = self
-                .machine
-                .branch(branch)
-                .iter()
-                .map(|&axis| request.name(axis));
+            let axes = self.machine.branch(branch).iter();
+            let axes = axes.map(|&axis| request.name(axis));
             match axes.collect::<Vec<_>>().as_slice() {
                 [] => "none".to_owned(),
                 axes => axes.join(" "),
             }
         };
-        use trueaxis_kinematics::Branch;
         vec![
             "mm and rad, arguments of rotary axes in degrees; ISO 230-1, actual minus nominal, right-hand rule; linear axes at \
              the origin of the reference frame, rotary ones at the point of the nominal axis that the machine gives; mean of both sides of approach"
@@ -172,6 +161,6 @@ impl GeometricErrors for Components {
             return MotionError::default();
         };
         let of = |c: usize| interpolate(&own.positions, |k| own.errors[k].to_vector()[c], position);
-        MotionError::from_vector(&nalgebra::Vector6::from_fn(|c, _| of(c)))
+        MotionError::from_vector(&Vector6::from_fn(|c, _| of(c)))
     }
 }

@@ -10,6 +10,8 @@ use trueaxis_files::round;
 use trueaxis_kinematics::{ARCSEC, MICROMETRE};
 use trueaxis_predict::ERROR_COLUMNS;
 
+use crate::Error;
+use crate::correct::added;
 use crate::export::line::{positions, take_off};
 use crate::export::named_errors::wrong;
 use crate::export::old_files::reach;
@@ -17,7 +19,6 @@ use crate::export::sides::Sides;
 use crate::export::{
     Description, ExportedFile, OldFiles, Request, Tables, check_points, csv, rising,
 };
-use crate::{Error, Moved, correct};
 
 pub(super) const FORMAT: Description = Description {
     name: "grid",
@@ -42,23 +43,14 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     check_rows(request, rows)?;
     let machine = request.machine.machine();
     let at_home = vec![0.0; machine.axes().len()];
-    let added = |commanded: &[f64]| -> Result<Vec<f64>, Error> {
-        let found = correct(
-            machine,
-            request.machine,
-            commanded,
-            request.at,
-            Moved::Linear,
-        )?;
-        Ok(found.added_to(commanded))
-    };
     let error_at_home = machine.tool_error(request.machine, &at_home, request.at);
 
     let names: Vec<&str> = axes.iter().map(|&axis| request.name(axis)).collect();
     // As it stands alone, at its own nodes.
     let mut values = Vec::with_capacity(rows);
     for row in 0..rows {
-        values.push(added(&commanded(&axes, &nodes, row, &at_home))?);
+        let commanded = commanded(&axes, &nodes, row, &at_home);
+        values.push(added(machine, request.machine, &commanded, request.at)?);
     }
     let mut own = Grid {
         axes: axes.clone(),

@@ -92,12 +92,10 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         }
         let table = match (new, old) {
             (Some(new), Some(mut old)) => {
-                let is_seen =
-                    |column: &str| match linear.iter().zip(&names).find(|(_, n)| **n == column) {
-                        Some((&output, _)) => request.is_seen(axis, output),
-                        None => true,
-                    };
-                old.columns.retain(|column, _| is_seen(column));
+                old.columns.retain(|column, _| {
+                    let output = request.machine.machine().axis_index(column);
+                    output.is_none_or(|output| request.is_seen(axis, output))
+                });
                 match old.columns.is_empty() {
                     true => new,
                     false => new.with(&old, name),

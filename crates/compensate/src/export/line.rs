@@ -110,17 +110,12 @@ impl Line {
         }
     }
 
-    /// Lost motion of the axis itself, mm or degrees: the mean of backward minus forward. Positive where the encoder leads the machine:
-    /// forward it stops short.
-    pub(crate) fn lost_motion(&self, request: &Request<'_>) -> f64 {
+    /// Lost motion of the axis itself, mm or degrees, if it is not less than its U (k = 2), as far as that is known: the mean of
+    /// backward minus forward. Positive where the encoder leads the machine: forward it stops short.
+    pub(crate) fn known_lost_motion(&self, request: &Request<'_>) -> Option<f64> {
         let pairs = self.forward.iter().zip(&self.backward);
         let sum: f64 = pairs.map(|(f, b)| f[self.axis] - b[self.axis]).sum();
-        request.in_file(self.axis, -sum / self.positions.len() as f64)
-    }
-
-    /// The same, if it is not less than its U (k = 2), as far as that is known.
-    pub(crate) fn known_lost_motion(&self, request: &Request<'_>) -> Option<f64> {
-        let lost = self.lost_motion(request);
+        let lost = request.in_file(self.axis, -sum / self.positions.len() as f64);
         let u = request
             .machine
             .u_of_lost_motion(self.axis, &self.positions, request.at);
@@ -277,7 +272,7 @@ fn deviations(
 }
 
 /// How far the axis itself is off, along or about its direction: nothing for the others.
-fn own_deviation(request: &Request<'_>, axis: usize, error: &MotionError) -> Vec<f64> {
+pub(crate) fn own_deviation(request: &Request<'_>, axis: usize, error: &MotionError) -> Vec<f64> {
     let machine = request.machine.machine();
     let part = match machine.axes()[axis].kind() {
         AxisKind::Linear => error.translation_mm,

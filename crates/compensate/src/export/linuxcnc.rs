@@ -100,16 +100,11 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let joined = match (old, &skew) {
         (Some(old), Some(skew)) => {
             // Only the cells that the targets saw.
-            let is_seen = |row: usize, column: usize| {
-                let [input, output] = [column, row].map(|k| skew.axes[k]);
-                request.is_seen(input, output)
-            };
-            let cell = |row, column| {
-                if is_seen(row, column) {
-                    old[(row, column)]
-                } else {
-                    0.0
-                }
+            let cell = |row: usize, column: usize| match request
+                .is_seen(skew.axes[column], skew.axes[row])
+            {
+                true => old[(row, column)],
+                false => 0.0,
             };
             Some(Matrix3::from_fn(cell) * matrix::of_skew(skew))
         }

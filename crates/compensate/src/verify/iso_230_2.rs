@@ -16,12 +16,10 @@
 use trueaxis_campaign::Direction;
 
 use crate::export::rising;
+use crate::verify::SAME;
 
 /// Runs from each side that the standard wants.
 const RUNS: usize = 5;
-
-/// Positions this close are one, mm or rad.
-const SAME: f64 = 1e-9;
 
 /// The quantities, µm. Those of a side that was not approached are not there.
 #[derive(Debug, Clone, PartialEq)]

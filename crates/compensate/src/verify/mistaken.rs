@@ -57,16 +57,12 @@ impl Verified {
             let squares: f64 = self.points.iter().map(|point| left(point).powi(2)).sum();
             (squares / self.points.len().max(1) as f64).sqrt()
         };
-        let predicted = |point: &Point, is_compensated: bool| match is_compensated {
-            true => point.compensated_um,
-            false => point.predicted_um,
-        };
         let left = |factor: f64, is_compensated: bool| {
-            rms(&|p| factor * p.reading_um - predicted(p, is_compensated))
+            rms(&|p| factor * p.reading_um - p.expected_um(is_compensated))
         };
         // A thousandth of anything is next to nothing: it must be what is predicted, too.
         let is_explained = |factor: f64, is_compensated: bool| {
-            left(factor, is_compensated) < LEFT * rms(&|p| predicted(p, is_compensated))
+            left(factor, is_compensated) < LEFT * rms(&|p| p.expected_um(is_compensated))
         };
         let own = left(1.0, is_compensated);
         let declared = rms(&|p| p.u_reading_um.unwrap_or(0.0));

@@ -11,7 +11,7 @@
 //! all lines of an axis are solved by least squares, at the positions that they share. As each line has a zero of its own,
 //! the mean of an angle over the positions is open; it is taken out of what is measured and what is predicted.
 
-use nalgebra::{DMatrix, DVector, RowVector2, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 use trueaxis_campaign::VerificationKind;
 use trueaxis_kinematics::{AxisKind, Component, Ideal};
 use trueaxis_leastsquares::dense::Svd;
@@ -138,8 +138,12 @@ impl Line<'_> {
     /// The points at a position, from both sides.
     fn at(&self, axis: usize, position: f64) -> impl Iterator<Item = &Point> {
         let own = self.points.iter().copied();
-        own.filter(move |point| (point.positions[axis] - position).abs() <= SAME)
+        own.filter(move |point| is_at(point, axis, position))
     }
+}
+
+fn is_at(point: &Point, axis: usize, position: f64) -> bool {
+    (point.positions[axis] - position).abs() <= SAME
 }
 
 fn angles(
@@ -158,13 +162,9 @@ fn angles(
     let across: Vec<Component> = across.collect();
     let direction = geometry.direction().into_inner();
     let mean = lines.iter().map(|line| line.place).sum::<Vector3<f64>>() / lines.len() as f64;
-    let rows = lines.iter().map(|line| {
-        let lever = (line.place - mean).cross(&direction);
-        RowVector2::from_fn(|_, i| lever[across[i].index() - 3])
-    });
-    let levers = DMatrix::from_fn(lines.len(), 2, {
-        let rows: Vec<RowVector2<f64>> = rows.collect();
-        move |line, i| rows[line][i]
+    let levers = DMatrix::from_fn(lines.len(), 2, |line, i| {
+        let lever = (lines[line].place - mean).cross(&direction);
+        lever[across[i].index() - 3]
     });
     let svd = Svd::new(&levers).ok()?;
     let seen = seen(&levers, &svd);
@@ -174,30 +174,33 @@ fn angles(
     }
     let angle_of_line = svd.pseudo_inverse(LEAST_LEVER_MM);
 
-    // The points in one row, and each angle as a function of them.
-    let points: Vec<(&Line<'_>, &Point)> = lines
+    // The points of all lines in one row, and each angle as a function of them.
+    let points: Vec<(usize, &Point)> = lines
         .iter()
-        .flat_map(|line| line.points.iter().map(move |point| (line, *point)))
+        .enumerate()
+        .flat_map(|(k, line)| line.points.iter().map(move |point| (k, *point)))
         .collect();
     let curves = (0..2).filter(|&i| seen[i]).map(|i| {
-        let mut function = DMatrix::zeros(positions.len(), points.len());
-        for (row, &position) in positions.iter().enumerate() {
-            let mut column = 0;
-            for (k, line) in lines.iter().enumerate() {
-                let count = line.at(axis, position).count() as f64;
-                for point in &line.points {
-                    if (point.positions[axis] - position).abs() <= SAME {
-                        // µm are 1e-3 mm.
-                        function[(row, column)] = angle_of_line[(i, k)] / count * 1e-3;
-                    }
-                    column += 1;
-                }
+        let mut function = DMatrix::from_fn(positions.len(), points.len(), |row, column| {
+            let (position, (k, point)) = (positions[row], points[column]);
+            if !is_at(point, axis, position) {
+                return 0.0;
             }
-        }
+            let count = lines[k].at(axis, position).count() as f64;
+            // µm are 1e-3 mm.
+            angle_of_line[(i, k)] / count * 1e-3
+        });
         // Without the mean over the positions.
         let mean = function.row_mean();
         function.row_iter_mut().for_each(|mut row| row -= &mean);
-        curve(machine, across[i], &function, &points, is_compensated)
+        curve(
+            machine,
+            across[i],
+            &function,
+            lines,
+            &points,
+            is_compensated,
+        )
     });
     Some(ParallelLines {
         axis,
@@ -233,7 +236,8 @@ fn curve(
     machine: &CalibratedMachine,
     component: Component,
     function: &DMatrix<f64>,
-    points: &[(&Line<'_>, &Point)],
+    lines: &[Line<'_>],
+    points: &[(usize, &Point)],
     is_compensated: bool,
 ) -> AngleCurve {
     let of = |value: &dyn Fn(&Point) -> f64| -> Vec<f64> {
@@ -243,7 +247,7 @@ fn curve(
     };
     let readings: Vec<_> = points
         .iter()
-        .map(|(line, point)| (line.kind, point.positions.as_slice(), came_from(point)))
+        .map(|&(k, point)| (lines[k].kind, point.positions.as_slice(), came_from(point)))
         .collect();
     let covariance = function * machine.covariance_of_readings(&readings) * function.transpose();
     let u = covariance.diagonal();
@@ -251,10 +255,7 @@ fn curve(
     AngleCurve {
         component,
         measured: of(&|point| point.reading_um),
-        predicted: of(&|point| match is_compensated {
-            true => point.compensated_um,
-            false => point.predicted_um,
-        }),
+        predicted: of(&|point| point.expected_um(is_compensated)),
         u_predicted: u
             .iter()
             .map(|v| if *v < 0.0 { 0.0 } else { v.sqrt() })

@@ -126,16 +126,13 @@ impl Sag {
 
         let count = cross.len();
         let axes = request.machine.machine().axes().len();
-        let too_many = match (count > MOST_TABLES, axes > MOST_AXES) {
-            (true, _) => Some((
-                "at most 62 sag compensation tables",
-                format!("these are {count}"),
-            )),
-            (_, true) => Some(("at most 31 axes", format!("the machine has {axes}"))),
-            _ => None,
-        };
-        if let Some((takes, lacks)) = too_many {
-            return Err(request.unsuitable(takes, lacks));
+        if count > MOST_TABLES {
+            let takes = "at most 62 sag compensation tables";
+            return Err(request.unsuitable(takes, format!("these are {count}")));
+        }
+        if axes > MOST_AXES {
+            let lacks = format!("the machine has {axes}");
+            return Err(request.unsuitable("at most 31 axes", lacks));
         }
         for Placed { table, .. } in encoders.iter().chain(&cross) {
             table.check(request)?;

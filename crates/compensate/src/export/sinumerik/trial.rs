@@ -6,7 +6,7 @@ use crate::export::sinumerik::sag::Product;
 use crate::export::sinumerik::table::Table;
 use crate::export::{ExportedFile, Request};
 
-pub(super) const FILE: &str = "LEVER_TRIAL.INI";
+const FILE: &str = "LEVER_TRIAL.INI";
 
 /// Of the table of the angle, the same everywhere, mm.
 const FACTOR: f64 = 0.1;
