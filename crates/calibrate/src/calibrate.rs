@@ -165,7 +165,7 @@ pub(crate) fn calibrate_as_given<'a>(
         covariance,
         misfits: measured.misfits.clone(),
         turned_runs: measured.turned_runs.clone(),
-        known_misfits: measured.known_misfits().to_vec(),
+        known_misfits: measured.known_misfits(),
         residuals,
         triangle: triangle(&context, &targets_mm, measured.point_variance_mm2),
         effects: Vec::new(),

@@ -100,7 +100,8 @@ impl Error {
         }
     }
 
-    pub(crate) fn not_identifiable(what: impl Into<String>, hint: impl Into<String>) -> Self {
+    /// [`Error::NotIdentifiable`].
+    pub fn not_identifiable(what: impl Into<String>, hint: impl Into<String>) -> Self {
         Self::NotIdentifiable {
             what: what.into(),
             hint: hint.into(),

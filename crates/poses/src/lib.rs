@@ -61,7 +61,9 @@ pub use lengths::{
 pub use measure::{MeasuredPoses, NoiseByEquations, measure};
 pub use missing::missing;
 pub use nominal_positions::{homes_out_of_reach, targets_elsewhere};
-pub use poses::{PoseNoise, PoseObservation, Poses, TargetBody, ThroughSources, turned_about};
+pub use poses::{
+    PoseNoise, PoseObservation, Poses, TargetBody, ThroughSources, turned_about, twist_map,
+};
 pub use report::{
     AdjustmentReport, InterruptedOccupation, KnownMisfit, NoiseReport, PartReport, RejectedLength,
     StepMisfit, TurnedRuns,
@@ -71,4 +73,4 @@ pub use settings::{Method, Settings};
 pub use trials::{PoseTrials, Trial, TrialWorkspace};
 pub use trueaxis_multilateration::Station;
 pub use trueaxis_screening::{MOST_REMOVED, NoiseBasis};
-pub use words::step_in_words;
+pub use words::{MIN_TARGETS, step_in_words};

@@ -239,38 +239,33 @@ impl Poses {
     }
 }
 
-impl MeasuredPoses<'_> {
+impl<'a> MeasuredPoses<'a> {
     /// The residuals of all lengths, or of all coordinates that led to poses, in measuring order. Those of
     /// coordinates are in units of the declared noise where all of it is declared.
     pub fn residuals(&self) -> Vec<Residual> {
+        let of_points = || self.point_residuals.clone();
         let lengths = self.lengths.as_ref();
-        lengths.map_or_else(
-            || self.point_residuals.clone(),
-            LengthsAdjustment::residuals,
-        )
+        lengths.map_or_else(of_points, LengthsAdjustment::residuals)
     }
 
     /// The constants of the reflectors; none where they were not determined and for a points campaign.
     pub fn reflectors(&self) -> Vec<ReflectorConstant> {
-        let lengths = self.lengths.as_ref();
-        lengths.map_or_else(Vec::new, LengthsAdjustment::reflectors)
+        self.of_lengths(LengthsAdjustment::reflectors)
     }
 
     /// The adjusted stations, in the order of the campaign and in the datum; none for a points campaign.
     pub fn stations(&self) -> Vec<Station> {
-        let lengths = self.lengths.as_ref();
-        lengths.map_or_else(Vec::new, LengthsAdjustment::stations)
+        self.of_lengths(LengthsAdjustment::stations)
     }
 
     /// Whether known dead paths tell what the constants of all reflectors have in common.
     pub fn knows_mean_constant(&self) -> bool {
-        let lengths = self.lengths.as_ref();
-        lengths.is_some_and(|lengths| lengths.screened.solution.mean_constant_mm.is_some())
+        self.of_lengths(|lengths| lengths.screened.solution.mean_constant_mm.is_some())
     }
 
     /// The scale of all lengths, where it is an unknown.
     pub fn scale(&self) -> Option<ScaleResult> {
-        self.lengths.as_ref().and_then(LengthsAdjustment::scale)
+        self.of_lengths(LengthsAdjustment::scale)
     }
 
     /// Standard deviation of the scale that a points campaign declares.
@@ -282,14 +277,17 @@ impl MeasuredPoses<'_> {
 
     /// Where the targets on the bed stand, in the datum, mm, with their numbers.
     pub fn targets_on_bed(&self) -> Vec<(usize, Point3<f64>)> {
-        let lengths = self.lengths.as_ref();
-        lengths.map_or_else(Vec::new, LengthsAdjustment::targets_on_bed)
+        self.of_lengths(LengthsAdjustment::targets_on_bed)
     }
 
     /// What is known and contradicts the lengths.
-    pub fn known_misfits(&self) -> &[KnownMisfit] {
-        let lengths = self.lengths.as_ref();
-        lengths.map_or(&[], |lengths| &lengths.known_misfits)
+    pub fn known_misfits(&self) -> Vec<KnownMisfit> {
+        self.of_lengths(|lengths| lengths.known_misfits.clone())
+    }
+
+    /// Nothing for a points campaign.
+    fn of_lengths<T: Default>(&self, of: impl FnOnce(&LengthsAdjustment<'a>) -> T) -> T {
+        self.lengths.as_ref().map(of).unwrap_or_default()
     }
 
     /// Standard deviations of the component errors at the reference point of the axis under test for unit

@@ -1,20 +1,13 @@
-//! Poses: what an adjustment says of the stages, whatever kind it was.
-//!
-//! A pose is the rigid motion that brings the targets of a stage (a *body*) from home to where they were
-//! at a step, in the datum of the adjustment. Its error is a small twist: a translation of the pivot (mm)
-//! and a rotation about it (rad), both along the axes of the datum,
-//!
-//! ```text
-//! x_i = ξ_i - Z_i s     cov(x_i, x_k) = [i = k] D_i + Z_i Σ Z_kᵀ
-//! ```
+//! Poses: what an adjustment says of the stages, whatever kind it was; their errors as on the page of the crate,
+//! along the axes of the datum.
 //!
 //! `D_i` is the pose's own covariance, `s` what all have in common: first the stations (x y z and dead path
 //! of each), then other dead paths, shapes of targets, and the datum. The joint adjustment and the nine
 //! or six equations both end here; who takes poses does not know which it was.
 
 use nalgebra::{
-    DMatrix, Isometry3, Matrix2, Matrix6, MatrixView6xX, Point3, Translation3, UnitQuaternion,
-    Vector3, Vector6,
+    DMatrix, Isometry3, Matrix2, Matrix3, Matrix6, MatrixView6xX, Point3, Translation3,
+    UnitQuaternion, Vector3, Vector6,
 };
 use trueaxis_campaign::Direction;
 
@@ -161,12 +154,18 @@ impl PoseObservation {
 
     /// The twist about another pivot (datum, mm) from that about the own one.
     pub(crate) fn to_pivot(&self, pivot_mm: &Point3<f64>) -> Matrix6<f64> {
-        let mut map = Matrix6::identity();
         let arm_mm = pivot_mm - self.pivot_mm;
-        map.fixed_view_mut::<3, 3>(0, 3)
-            .copy_from(&-arm_mm.cross_matrix());
-        map
+        twist_map(&Matrix3::identity(), &-arm_mm.cross_matrix())
     }
+}
+
+/// The map of twists that turns both parts and moves the pivot: translations of the new one by rotations.
+pub fn twist_map(turn: &Matrix3<f64>, by_rotation: &Matrix3<f64>) -> Matrix6<f64> {
+    let mut map = Matrix6::zeros();
+    map.fixed_view_mut::<3, 3>(0, 0).copy_from(turn);
+    map.fixed_view_mut::<3, 3>(3, 3).copy_from(turn);
+    map.fixed_view_mut::<3, 3>(0, 3).copy_from(by_rotation);
+    map
 }
 
 /// The motion by a twist: the pivot moves by its first three elements, everything turns by the others.

@@ -5,6 +5,8 @@
 //! equations that made the poses. Weights stay as they are. In a points campaign the points themselves are
 //! drawn.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector, Isometry3, Point3, Vector6};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -14,7 +16,6 @@ use trueaxis_multilateration::{Station, Trials, Workspace};
 use crate::Error;
 use crate::lengths::scale::at_scale;
 use crate::measure::MeasuredPoses;
-use crate::poses::TargetBody;
 
 /// Measured poses that can be measured again with other errors.
 pub struct PoseTrials<'a> {
@@ -30,8 +31,8 @@ enum Source {
         /// For each pose the group of the network.
         groups: Vec<usize>,
     },
-    /// Cholesky factors of the covariances of the groups of points.
-    Points(Vec<DMatrix<f64>>),
+    /// Of each group of points the places of its errors, and the Cholesky factor of their covariance.
+    Points(Vec<(Range<usize>, DMatrix<f64>)>),
 }
 
 /// Errors that the scale has of its own ([`Scale::change`]).
@@ -73,8 +74,12 @@ impl<'a> PoseTrials<'a> {
                     .points
                     .iter()
                     .flat_map(|(points, _)| &points.noise.own);
+                let mut end = 0;
                 let factor = |(step, covariance): (usize, &DMatrix<f64>)| {
-                    let factor = covariance.clone().cholesky().map(|factor| factor.unpack());
+                    let own = end..end + covariance.nrows();
+                    end = own.end;
+                    let factor = covariance.clone().cholesky();
+                    let factor = factor.map(|factor| (own, factor.unpack()));
                     factor.ok_or_else(|| Error::Numerical {
                         axis: "all".to_owned(),
                         what: format!(
@@ -99,7 +104,7 @@ impl<'a> PoseTrials<'a> {
     pub fn workspace(&self) -> TrialWorkspace {
         let (lengths, errors) = match &self.source {
             Source::Lengths { trials, .. } => (Some(trials.workspace()), trials.errors()),
-            Source::Points(factors) => (None, factors.iter().map(DMatrix::nrows).sum()),
+            Source::Points(factors) => (None, factors.last().map_or(0, |(own, _)| own.end)),
         };
         TrialWorkspace {
             lengths,
@@ -115,13 +120,9 @@ impl<'a> PoseTrials<'a> {
         match &self.source {
             Source::Lengths { trials, .. } => trials.draw(rng, errors),
             Source::Points(factors) => {
-                let mut rest = errors;
-                for factor in factors {
-                    let normal =
-                        DVector::from_fn(factor.nrows(), |_, _| StandardNormal.sample(rng));
-                    let (own, behind) = rest.split_at_mut(factor.nrows());
-                    own.copy_from_slice((factor * normal).as_slice());
-                    rest = behind;
+                for (own, factor) in factors {
+                    let normal = DVector::from_fn(own.len(), |_, _| StandardNormal.sample(rng));
+                    errors[own.clone()].copy_from_slice((factor * normal).as_slice());
                 }
             }
         }
@@ -150,16 +151,12 @@ impl<'a> PoseTrials<'a> {
                 }));
             }
             (Source::Points(factors), _) => {
-                let mut rest = all;
-                for factor in factors {
-                    let (own, behind) = rest.split_at(factor.nrows());
-                    errors.push(own);
-                    rest = behind;
-                }
+                errors.extend(factors.iter().map(|(own, _)| &all[own.clone()]));
             }
             (Source::Lengths { .. }, None) => unreachable!("a workspace of this measurement"),
         }
-        let centres: Vec<Point3<f64>> = self.measured.poses.bodies.iter().map(centre).collect();
+        let bodies = self.measured.poses.bodies.iter();
+        let centres: Vec<Point3<f64>> = bodies.map(|body| centroid(&body.home_mm)).collect();
         let of_poses = self.moved(&errors);
         let of_poses = of_poses.iter().zip(&self.measured.poses.observations);
         Trial {
@@ -182,8 +179,4 @@ impl<'a> PoseTrials<'a> {
             .map(|(pose, twist)| pose.moved(&Vector6::from_column_slice(twist)))
             .collect()
     }
-}
-
-fn centre(body: &TargetBody) -> Point3<f64> {
-    centroid(&body.home_mm)
 }

@@ -5,6 +5,9 @@ use trueaxis_kinematics::AxisKind;
 
 use crate::Error;
 
+/// Targets of a stage that show all six component errors of an axis.
+pub const MIN_TARGETS: usize = 3;
+
 /// A step as `run x at X = 40 mm, Y = 0 mm`, or as `the bed`.
 pub fn step_in_words(campaign: &Campaign, step: usize) -> String {
     let step = &campaign.steps[step];

@@ -64,7 +64,7 @@ impl<'a> Base<'a> {
         let removed = adjustment.map_or(&[][..], |adjustment| &adjustment.screened.removed);
         // With other groups it is no start.
         let same = |adjustment: &&LengthsAdjustment<'_>| {
-            adjustment.method == Method::Joint && !adjustment.by_direction
+            adjustment.settings.method == Method::Joint && !adjustment.settings.by_direction
         };
         let near = adjustment
             .filter(same)

@@ -3,14 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use trueaxis_campaign::{Campaign, Points};
-use trueaxis_poses::{at_one_temperature, scene_of};
+use trueaxis_poses::{MIN_TARGETS, at_one_temperature, scene_of};
 
 use crate::Rejected;
 use crate::points::gross_errors::Gross;
 use crate::points::screened::{Screened, without};
-
-/// Targets that a pose needs.
-const LEAST_TARGETS: usize = 3;
 
 /// A campaign without the points that contradict all others, and what these are; `None` if there are none, or more than accidents.
 ///
@@ -70,7 +67,7 @@ fn has_poses(campaign: &Campaign, points: &Points, removed: &[usize]) -> bool {
             let sets = of_run.iter().map(|(_, sets)| sets[k].clone());
             sets.reduce(|a, b| &a & &b).map_or(0, |common| common.len())
         });
-        after >= LEAST_TARGETS.min(before)
+        after >= MIN_TARGETS.min(before)
     })
 }
 

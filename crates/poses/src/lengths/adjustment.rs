@@ -14,12 +14,11 @@ use crate::lengths::network::{CampaignNetwork, Group, network_from_campaign};
 use crate::lengths::refused::{adjustment_error, contradictory, screening_error};
 use crate::lengths::scale::{Scale, ScaleResult, at_scale};
 use crate::lengths::shared_sources::SharedSources;
-use crate::lengths::weak_stations::weak_stations;
 use crate::points::{MeasuredPoints, PointGroup, PointNoise};
 use crate::poses::{PoseNoise, PoseObservation, Poses, TargetBody};
 use crate::report::KnownMisfit;
 use crate::settings::{Method, Settings};
-use crate::words::{step_in_words, target_names, too_few_targets};
+use crate::words::{MIN_TARGETS, step_in_words, target_names, too_few_targets};
 
 /// The adjustment of a campaign's lengths: the only one that there is.
 #[derive(Debug, Clone)]
@@ -27,9 +26,7 @@ pub struct LengthsAdjustment<'a> {
     pub(crate) campaign: &'a Campaign,
     pub(crate) lengths: &'a Lengths,
     /// With rigid stages for [`Method::Joint`], with free points otherwise.
-    pub method: Method,
-    /// Whether the sides of approach have poses of their own.
-    pub by_direction: bool,
+    pub settings: Settings,
     pub(crate) groups: Vec<Group>,
     /// The number in the campaign ([`Campaign::reflectors`]) of each reflector that was measured.
     pub(crate) reflectors: Vec<usize>,
@@ -81,15 +78,14 @@ impl<'a> LengthsAdjustment<'a> {
         let mut adjustment = Self {
             campaign,
             lengths,
-            method: settings.method,
-            by_direction: settings.by_direction,
+            settings: *settings,
             groups,
             reflectors,
             screened,
             scale: None,
             known_misfits: Vec::new(),
         };
-        let mut notices = adjustment.check(settings.asks_why)?;
+        let mut notices = adjustment.check()?;
         notices.extend(adjustment.uneven());
         adjustment.take_known(bodies)?;
         Ok((adjustment, notices))
@@ -112,7 +108,7 @@ impl<'a> LengthsAdjustment<'a> {
 
     /// Refuses an adjustment that cannot be trusted. Contradictions come first: they make the stations look
     /// weak.
-    fn check(&self, asks_why: bool) -> Result<Vec<String>, Error> {
+    fn check(&self) -> Result<Vec<String>, Error> {
         let (campaign, lengths, solution) = (self.campaign, self.lengths, &self.screened.solution);
         let residuals_mm = self.screened.residuals_mm();
         let sigma0 = self.given_sigma0();
@@ -123,14 +119,14 @@ impl<'a> LengthsAdjustment<'a> {
             true => sigma0,
             false => 1.0,
         };
-        let weak = weak_stations(campaign, lengths, solution, &residuals_mm, (by, asks_why))?;
+        let weak = self.weak_stations(&residuals_mm, by)?;
         if !solution.termination.is_converged() {
             return Err(Error::NotConverged {
                 iterations: solution.iterations,
                 termination: solution.termination.to_string(),
             });
         }
-        if !asks_why {
+        if !self.settings.asks_why {
             self.check_targets()?;
         }
         Ok(weak)
@@ -224,7 +220,7 @@ impl<'a> LengthsAdjustment<'a> {
 
     /// Why a group that the axis under test moves has no body.
     fn without_body(&self, group: &Group) -> Error {
-        if group.targets.len() < 3 {
+        if group.targets.len() < MIN_TARGETS {
             return too_few_targets(self.campaign, group.step, group.targets.len());
         }
         Error::not_identifiable(

@@ -9,6 +9,8 @@
 use nalgebra::{DMatrix, DVector};
 use trueaxis_leastsquares::chi_squared_upper_tail;
 
+use crate::report::KnownMisfit;
+
 /// The mean of what does not contradict the others.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CommonValue {
@@ -29,6 +31,18 @@ pub(crate) struct Contradiction {
     /// Square of Baarda's `w`.
     pub(crate) chi_squared: f64,
     pub(crate) p_value: f64,
+}
+
+impl Contradiction {
+    /// The same in words; the difference, known less found, in mm.
+    pub(crate) fn of(&self, what: String, difference_mm: f64) -> KnownMisfit {
+        KnownMisfit {
+            what,
+            difference_mm,
+            chi_squared: self.chi_squared,
+            p_value: self.p_value,
+        }
+    }
 }
 
 /// Tests that differ by less are equal: two observations contradict each other, and nothing tells which is wrong.

@@ -80,13 +80,8 @@ impl LengthsAdjustment<'_> {
             return Ok(());
         };
         self.known_misfits.extend(mean.misfits.iter().map(|misfit| {
-            let station = known[misfit.observation].station;
-            KnownMisfit {
-                what: format!("dead path of {}", self.campaign.stations[station].name),
-                difference_mm: misfit.difference,
-                chi_squared: misfit.chi_squared,
-                p_value: misfit.p_value,
-            }
+            let station = &self.campaign.stations[known[misfit.observation].station];
+            misfit.of(format!("dead path of {}", station.name), misfit.difference)
         }));
         let kept = known.into_iter().zip(&mean.weights);
         let kept = kept.filter(|(_, weight)| **weight != 0.0);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point3};
 use trueaxis_campaign::{Campaign, Direction, Lengths, Step, Target};
-use trueaxis_kinematics::Ideal;
+use trueaxis_kinematics::{Ideal, MICROMETRE};
 use trueaxis_multilateration::{
     Bodies, Body, Network, Noise, Placed, Reading, Reflectors, Visit, are_in_line,
 };
@@ -51,8 +51,6 @@ enum Together {
 /// Noise where none is declared: the weights then say that all lengths are equally good.
 const UNDECLARED_LENGTH_SIGMA_UM: f64 = 1.0;
 
-const MM_PER_UM: f64 = 1e-3;
-
 /// Makes the network of a campaign's lengths, with bodies: one group for each step (with `by_direction` each
 /// step and side of approach) and for the targets that move together in its run, and one of free points for the
 /// targets on the bed. The noise is the declared
@@ -73,16 +71,15 @@ pub fn network_from_campaign(
     let mut of_bed = Vec::new();
     let mut group_of_reading = Vec::with_capacity(lengths.readings.len());
     for stop in &lengths.stops {
-        let is_bed = campaign.steps[stop.step].run.is_none();
+        let run = campaign.steps[stop.step].run;
         let side = usize::from(by_direction && stop.direction == Direction::Backward);
         for reading in &lengths.readings[stop.readings.clone()] {
-            let run = campaign.steps[stop.step].run;
             let (moved, kind) = run.map_or((false, Together::OnBed), |run| {
                 together[run][reading.target]
             });
-            let known: &mut Vec<usize> = match is_bed {
-                true => &mut of_bed,
-                false => &mut of_step[stop.step][side],
+            let known: &mut Vec<usize> = match run {
+                None => &mut of_bed,
+                Some(_) => &mut of_step[stop.step][side],
             };
             let number = known.iter().copied().find(|&g| kinds[g] == kind);
             let number = number.unwrap_or_else(|| {
@@ -90,7 +87,7 @@ pub fn network_from_campaign(
                 kinds.push(kind);
                 groups.push(Group {
                     step: stop.step,
-                    direction: (by_direction && !is_bed).then_some(stop.direction),
+                    direction: (by_direction && run.is_some()).then_some(stop.direction),
                     targets: Vec::new(),
                     moved,
                     body: None,
@@ -104,9 +101,9 @@ pub fn network_from_campaign(
             group_of_reading.push(number);
         }
     }
-    let shapes = shapes(campaign, &groups, &kinds);
-    for (group, shape) in groups.iter_mut().zip(&shapes.of_groups) {
-        group.body = *shape;
+    let (targets_of_bodies, of_groups) = shapes(campaign, &groups, &kinds);
+    for (group, body) in groups.iter_mut().zip(of_groups) {
+        group.body = body;
     }
     // Groups of a body follow each other: they are worked on side by side.
     let mut order: Vec<(usize, Group)> = groups.into_iter().enumerate().collect();
@@ -119,7 +116,7 @@ pub fn network_from_campaign(
     for number in &mut group_of_reading {
         *number = place_of[*number];
     }
-    let bodies = bodies(campaign, &groups, shapes.targets);
+    let bodies = bodies(campaign, &groups, targets_of_bodies);
     let mut network = network(campaign, lengths, &groups, &group_of_reading, bodies);
     let is_bed = |group: &Group| campaign.steps[group.step].run.is_none();
     network.bed = groups.iter().position(is_bed);
@@ -138,7 +135,7 @@ pub fn network_from_campaign(
             sigma_mm: campaign
                 .instrument
                 .reflector_sigma_um
-                .map(|sigma_um| sigma_um * MM_PER_UM),
+                .map(|sigma_um| sigma_um * MICROMETRE),
             of_points: of_points
                 .iter()
                 .map(|r| reflectors.partition_point(|known| known < r))
@@ -238,15 +235,14 @@ fn together(campaign: &Campaign, moved_in_runs: &[Vec<usize>]) -> Vec<Vec<(bool,
     (0..campaign.runs.len()).map(of_run).collect()
 }
 
-/// The targets of each body, ascending, and the body of each group.
-struct Shapes {
-    targets: Vec<Vec<usize>>,
-    of_groups: Vec<Option<usize>>,
-}
-
 /// Finds the bodies: targets that move together and whose shape the groups show. Groups that have three
 /// targets in common that are not in line show one shape; groups with fewer than that of their own show none.
-fn shapes(campaign: &Campaign, groups: &[Group], kinds: &[Together]) -> Shapes {
+/// The targets of each body, ascending, and the body of each group.
+fn shapes(
+    campaign: &Campaign,
+    groups: &[Group],
+    kinds: &[Together],
+) -> (Vec<Vec<usize>>, Vec<Option<usize>>) {
     let are_rigid = |targets: &[usize]| !are_in_line(&home_mm(campaign, targets));
     let common = |a: &[usize], b: &[usize]| -> Vec<usize> {
         a.iter().filter(|t| b.contains(t)).copied().collect()
@@ -292,10 +288,8 @@ fn shapes(campaign: &Campaign, groups: &[Group], kinds: &[Together]) -> Shapes {
             false => None,
         });
     }
-    Shapes {
-        of_groups,
-        targets: shapes.iter().map(|(_, targets)| targets.clone()).collect(),
-    }
+    let targets = shapes.into_iter().map(|(_, targets)| targets);
+    (targets.collect(), of_groups)
 }
 
 fn home_mm(campaign: &Campaign, targets: &[usize]) -> Vec<Point3<f64>> {
@@ -374,9 +368,9 @@ fn declared_noise(campaign: &Campaign) -> Noise {
         .length_sigma_um
         .unwrap_or(UNDECLARED_LENGTH_SIGMA_UM);
     Noise {
-        length_sigma_mm: length_sigma_um * MM_PER_UM,
+        length_sigma_mm: length_sigma_um * MICROMETRE,
         // µm per m and mm per mm differ by a million.
         length_sigma_relative: instrument.length_sigma_ppm.unwrap_or(0.0) * 1e-6,
-        repeatability_mm: instrument.repeatability_um.unwrap_or(0.0) * MM_PER_UM,
+        repeatability_mm: instrument.repeatability_um.unwrap_or(0.0) * MICROMETRE,
     }
 }

@@ -238,13 +238,14 @@ pub(crate) fn contradictory(
             .max_by(|a, b| a.1.total_cmp(&b.1))
             .unwrap_or_default()
     };
+    let (_, rms) = worst_of(1, &|_| Some(0));
     let (j, station_rms) = worst_of(campaign.stations.len(), &|stop| Some(stop.station));
     let (r, run_rms) = worst_of(campaign.runs.len(), &|stop| campaign.steps[stop.step].run);
     let sizes = residuals_mm.iter().map(|v| v.abs()).zip(&lengths.readings);
     let worst = sizes.rev().max_by(|a, b| a.0.total_cmp(&b.0));
     let (worst_mm, line) = worst.map_or((0.0, 0), |(size_mm, reading)| (size_mm, reading.line));
     Error::Contradictory {
-        rms_um: rms(residuals_mm) * 1e3,
+        rms_um: rms * 1e3,
         sigma0,
         worst: format!(
             "station {} ({:.1} µm rms), run {} ({:.1} µm rms), line {} of the lengths ({:.1} µm)",
@@ -257,11 +258,6 @@ pub(crate) fn contradictory(
         ),
         hint: LOOK_AT,
     }
-}
-
-fn rms(values: &[f64]) -> f64 {
-    let squares: f64 = values.iter().map(|v| v * v).sum();
-    (squares / values.len().max(1) as f64).sqrt()
 }
 
 /// Where some lengths come from mostly: their commonest station, run and target.

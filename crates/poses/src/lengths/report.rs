@@ -60,7 +60,7 @@ impl LengthsAdjustment<'_> {
             NoiseBasis::Given => "uncertainties are those of the declared noise",
             _ => "uncertainties follow the residuals",
         };
-        let both_sides = !self.by_direction && approached_from_both_sides(self.campaign);
+        let both_sides = !self.settings.by_direction && approached_from_both_sides(self.campaign);
         let mut notices = report.residual_notices(consequence, both_sides);
         if screened.noise.basis == NoiseBasis::CommonFactor {
             let declared = self.campaign.instrument.repeatability_um.is_some();

@@ -23,7 +23,7 @@ use trueaxis_kinematics::MICROMETRE;
 use trueaxis_multilateration::{Corrections, Distances, Pair};
 
 use crate::lengths::LengthsAdjustment;
-use crate::lengths::common_value::{Contradiction, common_value};
+use crate::lengths::common_value::common_value;
 use crate::report::KnownMisfit;
 
 /// The scale of all lengths together.
@@ -69,14 +69,17 @@ impl LengthsAdjustment<'_> {
     /// `limit` is that of Baarda's `w`.
     pub(crate) fn estimate_scale(&self, limit: f64) -> (Option<Scale>, Vec<KnownMisfit>) {
         let prior = self.campaign.instrument.scale_sigma_ppm;
-        let (known, pairs): (Vec<&KnownLength>, Vec<Pair>) =
-            self.measured_pairs().into_iter().unzip();
+        // Those of which both targets were measured, where they keep their distance.
+        let known = self.campaign.known_lengths.iter();
+        let measured = known.filter_map(|known| Some((known, self.pair(known.targets)?)));
+        let (known, pairs): (Vec<&KnownLength>, Vec<Pair>) = measured.unzip();
         let solution = &self.screened.solution;
         let found = solution.distances(&self.screened.network, &pairs);
         if prior.is_none() && known.is_empty() {
             return (None, Vec::new());
         }
-        let through = &found.of_shared * self.shared_covariance() * found.of_shared.transpose();
+        let shared = solution.covariance.reduced_inverse();
+        let through = &found.of_shared * shared * found.of_shared.transpose();
         let count = known.len();
         let mut observed = vec![0.0; count + 1];
         let prior_sigma = prior.map_or(UNDECLARED, |ppm| ppm * 1e-6);
@@ -94,8 +97,10 @@ impl LengthsAdjustment<'_> {
             return (None, Vec::new());
         };
         let misfits = mean.misfits.iter().map(|misfit| {
-            let length = known[misfit.observation];
-            self.misfit_of_length(length, misfit)
+            let known = known[misfit.observation];
+            let [a, b] = known.targets.map(|t| &self.campaign.targets[t].name);
+            let what = format!("known length {a}-{b}");
+            misfit.of(what, -misfit.difference * known.length_mm)
         });
         let misfits = misfits.collect();
         let takes_part = mean.weights[..count].iter().any(|w| *w > 0.0);
@@ -126,14 +131,6 @@ impl LengthsAdjustment<'_> {
         (Some(scale), misfits)
     }
 
-    /// The known lengths of which both targets were measured, where they keep their distance.
-    fn measured_pairs(&self) -> Vec<(&KnownLength, Pair)> {
-        let known = self.campaign.known_lengths.iter();
-        known
-            .filter_map(|known| Some((known, self.pair(known.targets)?)))
-            .collect()
-    }
-
     fn pair(&self, targets: [usize; 2]) -> Option<Pair> {
         let place = |g: usize| {
             let place = |t: usize| self.groups[g].targets.iter().position(|seen| *seen == t);
@@ -152,21 +149,6 @@ impl LengthsAdjustment<'_> {
             Some(Pair::OfGroup { group, points })
         };
         of_body.or_else(of_bed)
-    }
-
-    /// `Σ`.
-    fn shared_covariance(&self) -> &DMatrix<f64> {
-        self.screened.solution.covariance.reduced_inverse()
-    }
-
-    fn misfit_of_length(&self, known: &KnownLength, misfit: &Contradiction) -> KnownMisfit {
-        let [a, b] = known.targets.map(|t| &self.campaign.targets[t].name);
-        KnownMisfit {
-            what: format!("known length {a}-{b}"),
-            difference_mm: -misfit.difference * known.length_mm,
-            chi_squared: misfit.chi_squared,
-            p_value: misfit.p_value,
-        }
     }
 }
 

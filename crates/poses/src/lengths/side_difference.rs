@@ -46,7 +46,7 @@ impl LengthsAdjustment<'_> {
     ) -> Vec<Option<SideDifference>> {
         let mut found = vec![None; axes.len()];
         let (campaign, screened) = (self.campaign, &self.screened);
-        if self.method != Method::Joint || self.by_direction {
+        if self.settings.method != Method::Joint || self.settings.by_direction {
             return found;
         }
         // Whether an axis was measured backward and forward.

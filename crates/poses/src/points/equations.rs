@@ -16,7 +16,7 @@ use crate::Error;
 use crate::points::{MeasuredPoints, PointNoise};
 use crate::poses::{PoseNoise, PoseObservation, Poses, TargetBody};
 use crate::settings::Method;
-use crate::words::{step_in_words, target_names, too_few_targets};
+use crate::words::{MIN_TARGETS, step_in_words, target_names, too_few_targets};
 
 /// Poses with the equations that they solve.
 pub(crate) struct PointPoses {
@@ -51,9 +51,6 @@ struct NominalBody {
     sources: Vec<usize>,
 }
 
-/// Targets needed to see six component errors.
-const MIN_TARGETS: usize = 3;
-
 /// The poses of all steps whose targets move with the axis under test.
 pub(crate) fn poses_from_points(
     campaign: &Campaign,
@@ -68,7 +65,7 @@ pub(crate) fn poses_from_points(
     };
     let mut bodies = Vec::new();
     for body in &nominal {
-        let of_step = |i: usize| sources[body.sources[i]].noise(&points.noise);
+        let of_step = |i: usize| points.noise.of(&sources[body.sources[i]]);
         let noise = BodyNoise {
             of_step: &of_step,
             shared: &points.noise.shared,
@@ -232,13 +229,6 @@ fn refused(campaign: &Campaign, step: usize, targets: &[usize], error: &Identify
     }
 }
 
-impl Source {
-    /// `D` and `Z` of the points.
-    fn noise(&self, points: &PointNoise) -> (DMatrix<f64>, DMatrix<f64>) {
-        points.of(self.group, &self.places)
-    }
-}
-
 impl PointEquations {
     /// Those of each pose.
     pub(crate) fn steps(&self) -> impl Iterator<Item = &StepPose> {
@@ -305,7 +295,7 @@ fn pose_noise(
     }
     let of_stations = noise.shared.nrows();
     let of_body = |(nominal, body): (&NominalBody, &BodyPoses)| {
-        let of_step = |i: usize| sources[nominal.sources[i]].noise(noise);
+        let of_step = |i: usize| noise.of(&sources[nominal.sources[i]]);
         body.noise(&BodyNoise {
             of_step: &of_step,
             shared: &noise.shared,

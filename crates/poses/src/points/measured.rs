@@ -7,6 +7,8 @@
 use nalgebra::{DMatrix, Matrix2, Point3, Vector3};
 use trueaxis_campaign::Direction;
 
+use crate::points::equations::Source;
+
 /// All measured points in the datum: best fit to their nominal positions.
 pub(crate) struct MeasuredPoints {
     pub(crate) groups: Vec<PointGroup>,
@@ -82,11 +84,11 @@ pub(crate) struct PointNoise {
 }
 
 impl PointNoise {
-    /// `D` and `Z` of the points at these places of a group.
-    pub(crate) fn of(&self, group: usize, places: &[usize]) -> (DMatrix<f64>, DMatrix<f64>) {
+    /// `D` and `Z` of the points that a pose comes from.
+    pub(crate) fn of(&self, Source { group, places, .. }: &Source) -> (DMatrix<f64>, DMatrix<f64>) {
         let rows: Vec<usize> = places.iter().flat_map(|p| 3 * p..3 * p + 3).collect();
-        let own = self.own[group].select_rows(&rows).select_columns(&rows);
-        (own, self.coupling[group].select_rows(&rows))
+        let own = self.own[*group].select_rows(&rows).select_columns(&rows);
+        (own, self.coupling[*group].select_rows(&rows))
     }
 
     /// The largest variance of a coordinate at the first step, mm².

@@ -32,7 +32,7 @@ impl PointEquations {
         let mut residuals = Vec::new();
         for source in &self.sources {
             let step = LeftOfStep::new(&self.bodies[source.body], source.step);
-            let (own, _) = points.noise.of(source.group, &source.places);
+            let (own, _) = points.noise.of(source);
             let readings = &points.readings[source.group];
             for (t, &place) in source.places.iter().enumerate() {
                 for reading in readings.iter().filter(|reading| reading.place == place) {

@@ -32,15 +32,9 @@ const PIECE: usize = 32;
 /// its sum equals its own degrees of freedom; together they have fewer, and the sum is scaled down
 /// to follow chi-squared with these.
 pub(crate) fn total(points: &PointPoses) -> (f64, usize) {
-    let (squares, degrees) = points
-        .equations
-        .steps()
-        .fold((0.0, 0), |(squares, degrees), step| {
-            (
-                squares + step.pose.misfit.chi_squared,
-                degrees + step.pose.misfit.degrees_of_freedom,
-            )
-        });
+    let misfits = || points.equations.steps().map(|step| &step.pose.misfit);
+    let squares: f64 = misfits().map(|misfit| misfit.chi_squared).sum();
+    let degrees: usize = misfits().map(|misfit| misfit.degrees_of_freedom).sum();
     let bodies = points.poses.bodies.iter();
     let shapes: usize = bodies.map(|body| 3 * body.targets.len() - 6).sum();
     let left = degrees.saturating_sub(shapes);
@@ -52,16 +46,14 @@ pub(crate) fn total(points: &PointPoses) -> (f64, usize) {
 pub(crate) fn misfits(campaign: &Campaign, points: &PointPoses, declared: bool) -> Vec<StepMisfit> {
     let fits: Vec<&StepPose> = points.equations.steps().collect();
     let level = LEVEL / fits.len() as f64;
-    let run_of = |i: usize| campaign.steps[points.poses.observations[i].step].run;
-    let records = 0..fits.len();
-    let runs: Vec<Vec<usize>> = (0..campaign.runs.len())
-        .map(|run| {
-            records
-                .clone()
-                .filter(|&i| run_of(i) == Some(run))
-                .collect()
-        })
-        .collect();
+    // The records of each run that has any.
+    let mut runs = vec![Vec::new(); campaign.runs.len()];
+    for (record, own) in points.poses.observations.iter().enumerate() {
+        if let Some(run) = campaign.steps[own.step].run {
+            runs[run].push(record);
+        }
+    }
+    runs.retain(|records| !records.is_empty());
     let steps_of_body = |i: usize| {
         let observations = points.poses.observations.iter();
         let body = points.poses.observations[i].body;
@@ -91,7 +83,7 @@ type Failing = (usize, RigidMisfit, f64);
 /// is in units of that.
 fn failing_declared(runs: &[Vec<usize>], fits: &[&StepPose], level: f64) -> Vec<Failing> {
     let mut failing = Vec::new();
-    for records in runs.iter().filter(|records| !records.is_empty()) {
+    for records in runs {
         let against_shape = |shape: &[Vector3<f64>]| {
             let tested = tested(records, fits, shape);
             let variance = typical_variance(&tested).max(1.0);
@@ -114,16 +106,15 @@ fn failing_among_others(
     steps_of_body: &dyn Fn(usize) -> f64,
     level: f64,
 ) -> Vec<Failing> {
-    let runs = || runs.iter().filter(|records| !records.is_empty());
-    let against_median = runs().flat_map(|of| tested(of, fits, &shape(of, fits, median)));
-    let against_median: Vec<Tested> = against_median.collect();
+    let against_median = |of: &Vec<usize>| tested(of, fits, &shape(of, fits, median));
+    let against_median: Vec<Tested> = runs.iter().flat_map(against_median).collect();
     let typical = typical_variance(&against_median).max(f64::MIN_POSITIVE);
     let suspects = beyond(against_median, typical, level);
     // Each sum of squares is about a mean shape that the step itself is part of.
     let own = |(i, misfit): &Tested| misfit.chi_squared * (1.0 - 1.0 / steps_of_body(*i));
     let (mut squares, mut degrees) = (0.0, 0.0);
     let mut left = Vec::new();
-    for records in runs() {
+    for records in runs {
         let kept = without(records, &suspects);
         if kept.is_empty() {
             continue;

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Matrix3, SymmetricEigen, UnitQuaternion, Vector3};
 use trueaxis_campaign::Campaign;
-use trueaxis_kinematics::{ARCSEC, AxisKind, Ideal};
+use trueaxis_kinematics::{ARCSEC, AxisKind, Ideal, centroid};
 use trueaxis_leastsquares::f_upper_tail;
 
 use crate::poses::Poses;
@@ -184,8 +184,7 @@ fn rotary_directions(campaign: &Campaign, stand: &Stand) -> Vec<Vector3<f64>> {
 /// Rms distance of the targets of a body from their middle, mm.
 fn arm_mm(poses: &Poses, body: usize) -> f64 {
     let home_mm = &poses.bodies[body].home_mm;
-    let count = home_mm.len().max(1) as f64;
-    let middle = home_mm.iter().map(|p| p.coords).sum::<Vector3<f64>>() / count;
-    let squares = home_mm.iter().map(|p| (p.coords - middle).norm_squared());
-    (squares.sum::<f64>() / count).sqrt()
+    let middle = centroid(home_mm);
+    let squares = home_mm.iter().map(|p| (p - middle).norm_squared());
+    (squares.sum::<f64>() / home_mm.len().max(1) as f64).sqrt()
 }
