@@ -46,11 +46,10 @@ pub struct Study {
 
 /// Sides of approach that were measured are kept apart: their lost motion is no error of the estimate.
 pub fn settings(scenario: &Scenario, method: Method) -> Settings {
-    Settings {
-        method,
-        by_direction: scenario.runs.iter().any(|run| run.directions.len() > 1),
-        ..Settings::default()
-    }
+    let mut settings = Settings::default();
+    settings.poses.method = method;
+    settings.poses.by_direction = scenario.runs.iter().any(|run| run.directions.len() > 1);
+    settings
 }
 
 /// Simulates campaigns and calibrates them; one of each seed.

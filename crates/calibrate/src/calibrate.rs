@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Point3};
 use trueaxis_campaign::Campaign;
-use trueaxis_kinematics::Machine;
+use trueaxis_kinematics::{Machine, centroid};
 use trueaxis_mistakes::{MOST_ACCIDENTS, Mistakes};
 use trueaxis_poses::{LengthsAdjustment, MeasuredPoses, Poses, at_one_temperature, measure};
 use trueaxis_predict::OutputCovariance;
@@ -68,19 +68,17 @@ pub(crate) fn calibrate_in_parts<'a>(
     settings: &Settings,
 ) -> Result<(Calibration, Parts<'a>), Error> {
     let tried = |campaign: &Campaign, robust: bool| {
-        let settings = Settings {
-            robust,
-            most_removed: MOST_ACCIDENTS,
-            covariance: false,
-            ..*settings
-        };
+        let mut settings = *settings;
+        settings.covariance = false;
+        settings.poses.robust = robust;
+        settings.poses.most_removed = MOST_ACCIDENTS;
         let calibrated = calibrate_as_given(campaign, &settings);
         let calibrated = calibrated.map_err(|error| refused(&error));
         calibrated.map(|(calibration, _)| trial(campaign, calibration))
     };
     let mistakes = Mistakes {
         campaign,
-        robust: settings.robust,
+        robust: settings.poses.robust,
         calibrate: &tried,
     };
     let (mut calibration, parts) =
@@ -99,7 +97,7 @@ pub(crate) fn calibrate_as_given<'a>(
 ) -> Result<(Calibration, Parts<'a>), Error> {
     // Measure: poses, by the axis under test.
     let machine = with_reference_points(campaign, settings.reference_point);
-    let mut measured = measure(campaign, &settings.of_poses())?;
+    let mut measured = measure(campaign, &settings.poses)?;
     let instrument = std::mem::take(&mut measured.poses.instrument);
     let poses = &measured.poses;
     let stations = &measured.stations()[..];
@@ -218,11 +216,10 @@ fn with_reference_points(campaign: &Campaign, reference: ReferencePoint) -> Mach
         ReferencePoint::Centroid => {
             let is_moved = |carrier: Option<usize>| machine.chain(carrier).contains(&index);
             let targets = campaign.targets.iter().filter(|t| is_moved(t.carrier));
-            let moved: Vec<Vector3<f64>> = targets.map(|target| target.home_mm.coords).collect();
-            let sum: Vector3<f64> = moved.iter().sum();
-            match moved.len() {
-                0 => axis,
-                count => axis.with_reference(Point3::from(sum / count as f64)),
+            let moved: Vec<Point3<f64>> = targets.map(|target| target.home_mm).collect();
+            match moved.is_empty() {
+                true => axis,
+                false => axis.with_reference(centroid(&moved)),
             }
         }
     })

@@ -3,17 +3,9 @@
 /// A campaign that does not yield a calibration.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// The campaign does not yield poses.
+    /// The campaign does not yield poses, or these do not determine the errors of an axis or their uncertainty.
     #[error(transparent)]
     Poses(#[from] trueaxis_poses::Error),
-    /// The poses do not determine the errors of an axis, or nothing tells their uncertainty.
-    #[error("{what}; {hint}")]
-    NotIdentifiable {
-        /// What cannot be determined, by name.
-        what: String,
-        /// What would determine it.
-        hint: String,
-    },
     /// The component errors did not settle.
     #[error(
         "the component errors did not settle after {passes} passes (last change {change_mm:.1e} mm): \
@@ -98,7 +90,6 @@ impl Error {
     pub fn what(&self) -> String {
         match self {
             Self::Poses(error) => error.what(),
-            Self::NotIdentifiable { what, .. } => what.clone(),
             Self::Mistaken { error, explanation } => {
                 format!("{}; this would explain it: {explanation}", error.what())
             }

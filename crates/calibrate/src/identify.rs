@@ -11,4 +11,3 @@ pub(crate) mod pose_errors;
 pub(crate) mod settle_frame;
 pub(crate) mod start;
 pub(crate) mod state;
-pub(crate) mod twist_map;

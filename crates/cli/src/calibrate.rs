@@ -28,7 +28,10 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
         covariance: args.covariance,
         ..args.model.settings()
     };
-    let kept = settings.robust.then(|| without_wrong_points(&campaign));
+    let kept = settings
+        .poses
+        .robust
+        .then(|| without_wrong_points(&campaign));
     let (campaign, left_out) = kept.flatten().unwrap_or((campaign, Vec::new()));
     let in_file = || args.campaign.display().to_string();
     let mut extra = Vec::new();

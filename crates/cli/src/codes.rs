@@ -179,7 +179,6 @@ fn of_calibrate(error: &Calibrate) -> &'static str {
         Calibrate::Poses(error) => of_poses(error),
         Calibrate::Mistaken { error, .. } => of_calibrate(error),
         Calibrate::NotSettled { .. } => "E307",
-        Calibrate::NotIdentifiable { .. } => "E401",
         Calibrate::NotThatMotion { .. } => "E402",
         Calibrate::SeveralAxesMove { .. } => "E403",
         Calibrate::TooLarge { .. } => "E610",

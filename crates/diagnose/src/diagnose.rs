@@ -277,10 +277,9 @@ fn is_not_identifiable(error: &Error) -> bool {
     use trueaxis_calibrate::Error as Calibrate;
     matches!(
         error,
-        Error::Calibrate(
-            Calibrate::NotIdentifiable { .. }
-                | Calibrate::Poses(trueaxis_poses::Error::NotIdentifiable { .. })
-        )
+        Error::Calibrate(Calibrate::Poses(
+            trueaxis_poses::Error::NotIdentifiable { .. }
+        ))
     )
 }
 
@@ -353,17 +352,12 @@ fn calibrated<'a>(
 ) -> Result<(Calibration, Option<LengthsAdjustment<'a>>), Error> {
     let wanted = settings.calibration;
     let refused = match calibrate_with_adjustment(campaign, &wanted) {
-        Err(error) if wanted.robust => error,
+        Err(error) if wanted.poses.robust => error,
         calibrated => return calibrated.map_err(Error::Calibrate),
     };
-    let concentrated = trueaxis_calibrate::Settings {
-        asks_why: true,
-        ..wanted
-    };
-    let with_all = trueaxis_calibrate::Settings {
-        robust: false,
-        ..wanted
-    };
+    let [mut concentrated, mut with_all] = [wanted; 2];
+    concentrated.poses.asks_why = true;
+    with_all.poses.robust = false;
     let ways = [
         (
             concentrated,

@@ -47,10 +47,8 @@ pub(crate) fn diagnose_runs(
     if campaign.lengths.is_none() || axes.windows(2).all(|pair| pair[0] != pair[1]) {
         return Ok(None);
     }
-    let whole = trueaxis_calibrate::Settings {
-        robust: false,
-        ..settings.calibration
-    };
+    let mut whole = settings.calibration;
+    whole.poses.robust = false;
     let replay = calibrate_for_replay(campaign, &settings.calibration)
         .or_else(|_| calibrate_for_replay(campaign, &whole));
     let (calibration, replay) = replay.map_err(Error::Calibrate)?;

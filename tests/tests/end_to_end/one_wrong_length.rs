@@ -34,10 +34,8 @@ fn campaign(seed: u64) -> Campaign {
 
 /// The lines that a calibration leaves out; `None` if it is refused.
 fn removed(campaign: &Campaign, method: Method) -> Option<Vec<usize>> {
-    let settings = Settings {
-        method,
-        ..Settings::default()
-    };
+    let mut settings = Settings::default();
+    settings.poses.method = method;
     let adjustment = calibrate(campaign, &settings).ok()?.adjustment;
     let rejected = adjustment.rejected.iter().map(|length| length.line);
     adjustment

@@ -33,10 +33,8 @@ fn parked_scenarios() -> [(&'static str, Scenario); 2] {
 fn errors_of_parked_axes_are_taken_out() {
     for (name, scenario) in parked_scenarios() {
         let simulated = simulate(&without_noise(scenario), 1).unwrap();
-        let settings = Settings {
-            by_direction: true,
-            ..Settings::default()
-        };
+        let mut settings = Settings::default();
+        settings.poses.by_direction = true;
         let calibration = calibrate(&simulated.campaign, &settings).unwrap();
         let mut all = components(&calibration, &simulated.truth);
         all.extend(locations(&calibration, &simulated.truth));

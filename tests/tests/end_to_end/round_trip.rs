@@ -57,10 +57,8 @@ fn exact_lengths_give_the_truth() {
                 // Lost motion is not common to both sides: it is in the next test.
                 continue;
             }
-            let settings = Settings {
-                by_direction,
-                ..Settings::default()
-            };
+            let mut settings = Settings::default();
+            settings.poses.by_direction = by_direction;
             let calibration = calibrated(&simulated, &settings);
             let mut all = components(&calibration, &simulated.truth);
             all.extend(locations(&calibration, &simulated.truth));
@@ -91,10 +89,8 @@ fn noisy_lengths_give_the_truth_within_the_stated_uncertainty() {
             .axes
             .iter()
             .any(|axis| axis.directions.is_some());
-        let settings = Settings {
-            by_direction: backward,
-            ..Settings::default()
-        };
+        let mut settings = Settings::default();
+        settings.poses.by_direction = backward;
         let calibration = calibrated(&simulated, &settings);
         let kinds = [
             ("components", components(&calibration, &simulated.truth)),

@@ -34,7 +34,7 @@ impl Calibration {
             let errors = axis.location_errors.iter();
             errors.map(|error| (error.component.name(&axis.name), location_error(error)))
         });
-        let misfits = self.misfits.iter().map(misfit);
+        let misfits = self.misfits.iter().map(misfit_of_step);
         let misfits = misfits.chain(self.axes.iter().filter_map(misfit_of_runs));
         let misfits = misfits.chain(self.turned_runs.iter().map(misfit_of_turned));
         let misfits = misfits.chain(self.known_misfits.iter().map(misfit_of_known));
@@ -274,51 +274,38 @@ fn noise_gain([used, nine]: &[[f64; 6]; 2], component: Component) -> Value {
     json!({ "used": used, "nine": nine })
 }
 
-fn misfit(misfit: &StepMisfit) -> Value {
+fn misfit(what: &str, rms_um: f64, chi_squared: f64, dof: usize, p_value: f64) -> Value {
     json!({
-        "step": misfit.step,
-        "rms_um": round(misfit.rms_um, 3),
-        "chi_squared": round(misfit.chi_squared, 3),
-        "degrees_of_freedom": misfit.degrees_of_freedom,
-        "p_value": significant(misfit.p_value),
+        "step": what,
+        "rms_um": round(rms_um, 3),
+        "chi_squared": round(chi_squared, 3),
+        "degrees_of_freedom": dof,
+        "p_value": significant(p_value),
     })
 }
 
-/// The same of runs that contradict each other.
+fn misfit_of_step(of: &StepMisfit) -> Value {
+    let dof = of.degrees_of_freedom;
+    misfit(&of.step, of.rms_um, of.chi_squared, dof, of.p_value)
+}
+
+/// Of runs that contradict each other.
 fn misfit_of_runs(axis: &AxisResult) -> Option<Value> {
-    let runs = axis.runs.as_ref()?;
-    Some(misfit(&StepMisfit {
-        step: format!("axis {}: runs {}", axis.name, runs.runs.join(", ")),
-        rms_um: runs.rms_mm / MICROMETRE,
-        chi_squared: runs.chi_squared,
-        degrees_of_freedom: runs.degrees_of_freedom,
-        p_value: runs.p_value,
-    }))
+    let of = axis.runs.as_ref()?;
+    let what = format!("axis {}: runs {}", axis.name, of.runs.join(", "));
+    let (rms_um, dof) = (of.rms_mm / MICROMETRE, of.degrees_of_freedom);
+    Some(misfit(&what, rms_um, of.chi_squared, dof, of.p_value))
 }
 
-/// The same of runs that are turned.
-fn misfit_of_turned(turned: &TurnedRuns) -> Value {
-    misfit(&StepMisfit {
-        step: format!(
-            "runs {} against each other, turned",
-            turned.runs.join(" and ")
-        ),
-        rms_um: turned.moved_mm / MICROMETRE,
-        chi_squared: turned.chi_squared,
-        degrees_of_freedom: turned.degrees_of_freedom,
-        p_value: turned.p_value,
-    })
+fn misfit_of_turned(of: &TurnedRuns) -> Value {
+    let what = format!("runs {} against each other, turned", of.runs.join(" and "));
+    let (rms_um, dof) = (of.moved_mm / MICROMETRE, of.degrees_of_freedom);
+    misfit(&what, rms_um, of.chi_squared, dof, of.p_value)
 }
 
-/// The same of what is known and contradicts the lengths.
-fn misfit_of_known(known: &KnownMisfit) -> Value {
-    misfit(&StepMisfit {
-        step: known.what.clone(),
-        rms_um: known.difference_mm.abs() / MICROMETRE,
-        chi_squared: known.chi_squared,
-        degrees_of_freedom: 1,
-        p_value: known.p_value,
-    })
+fn misfit_of_known(of: &KnownMisfit) -> Value {
+    let rms_um = of.difference_mm.abs() / MICROMETRE;
+    misfit(&of.what, rms_um, of.chi_squared, 1, of.p_value)
 }
 
 fn side(side: &TriangleSide) -> Value {

@@ -1,6 +1,5 @@
 //! What was measured of one axis: its runs, records and nodes.
 
-use nalgebra::Point3;
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::{AxisKind, Machine};
 use trueaxis_poses::{PoseObservation, Poses, step_in_words};
@@ -118,15 +117,15 @@ fn check_other_axes(data: &AxisData, campaign: &Campaign, poses: &Poses) -> Resu
             }
             let rotary = machine.axes()[other].kind() == AxisKind::Rotary;
             if rotary && first[other].abs() > HOME_TOL_RAD {
-                return Err(Error::NotIdentifiable {
-                    what: format!(
-                        "run {}: rotary axis {} stands at {:.4}° instead of home",
-                        run(),
-                        other_name(),
-                        first[other].to_degrees()
+                let (run, other_name) = (run(), other_name());
+                let degrees = first[other].to_degrees();
+                let away = trueaxis_poses::Error::not_identifiable(
+                    format!(
+                        "run {run}: rotary axis {other_name} stands at {degrees:.4}° instead of home"
                     ),
-                    hint: format!("measure this run with {} at 0°", other_name()),
-                });
+                    format!("measure this run with {other_name} at 0°"),
+                );
+                return Err(away.into());
             }
         }
     }
@@ -207,12 +206,6 @@ impl RunData {
             targets,
             positions: step.positions.clone(),
         }
-    }
-
-    /// Nominal positions of the targets at home, mm.
-    pub(crate) fn nominal_mm(&self, campaign: &Campaign) -> Vec<Point3<f64>> {
-        let home = |&target: &usize| campaign.targets[target].home_mm;
-        self.targets.iter().map(home).collect()
     }
 }
 

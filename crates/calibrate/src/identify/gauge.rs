@@ -27,10 +27,10 @@ use nalgebra::{
 };
 use trueaxis_kinematics::{Axis, AxisKind};
 use trueaxis_leastsquares::dense::relative_singular_value;
+use trueaxis_poses::twist_map;
 
 use crate::identify::axis_data::AxisData;
 use crate::identify::basis::Basis;
-use crate::identify::twist_map::twist_map;
 use crate::in_order;
 
 /// The gauge of one axis.

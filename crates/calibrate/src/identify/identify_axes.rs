@@ -41,15 +41,6 @@ pub(crate) struct Sensitivity {
     pub(crate) parameters: Vec<MatrixXx6<f64>>,
 }
 
-impl Sensitivity {
-    fn new(gauge: &Gauge, poses: Vec<Matrix6<f64>>) -> Self {
-        Self {
-            parameters: in_order::map(poses.len(), |i| &gauge.shares[i] * poses[i]),
-            poses,
-        }
-    }
-}
-
 /// Each pass leaves about a ten-thousandth of the change before it (the size of the errors in rad);
 /// coarse machines, degrees off, need more.
 const MAX_PASSES: usize = 60;
@@ -78,7 +69,11 @@ pub(crate) fn identify_axes(context: &Context<'_>) -> Result<Identified, Error> 
             break;
         }
         if change_mm <= SETTLED_MM {
-            let sensitivity = |(k, gauge)| Sensitivity::new(gauge, context.error_maps(&state, k));
+            let sensitivity = |(k, gauge): (usize, &Gauge)| {
+                let poses = context.error_maps(&state, k);
+                let parameters = in_order::map(poses.len(), |i| &gauge.shares[i] * poses[i]);
+                Sensitivity { poses, parameters }
+            };
             let axes = context.data.iter().map(|data| data.axis);
             return Ok(Identified {
                 sensitivities: gauges.iter().enumerate().map(sensitivity).collect(),
@@ -246,8 +241,5 @@ fn defect(context: &Context<'_>, k: usize, defect: &GaugeDefect) -> Error {
             )
         }
     };
-    Error::NotIdentifiable {
-        what,
-        hint: hint.to_owned(),
-    }
+    trueaxis_poses::Error::not_identifiable(what, hint).into()
 }

@@ -37,13 +37,11 @@ pub(crate) fn check_motion(context: &Context<'_>, identified: &Identified) -> Re
 /// Refuses a measurement that neither declares its noise nor shows it.
 pub(crate) fn check_noise(adjustment: &AdjustmentReport) -> Result<(), Error> {
     if adjustment.degrees_of_freedom == 0 && !adjustment.noise_declared {
-        return Err(Error::NotIdentifiable {
-            what: "the noise is not declared and nothing checks the measurement, so that no \
-                   uncertainty can be given"
-                .to_owned(),
-            hint: "declare `length_sigma_um` (or `sigma_um` of the points), or measure more"
-                .to_owned(),
-        });
+        let open = trueaxis_poses::Error::not_identifiable(
+            "the noise is not declared and nothing checks the measurement, so that no uncertainty can be given",
+            "declare `length_sigma_um` (or `sigma_um` of the points), or measure more",
+        );
+        return Err(open.into());
     }
     Ok(())
 }

@@ -13,11 +13,11 @@
 
 use nalgebra::{Isometry3, Matrix6, Point3, UnitQuaternion, Vector6};
 use trueaxis_kinematics::MotionError;
+use trueaxis_poses::twist_map;
 
 use crate::identify::axis_data::RunData;
 use crate::identify::context::Context;
 use crate::identify::state::State;
-use crate::identify::twist_map::twist_map;
 use crate::in_order;
 
 /// What the other axes do to the body of a run, during which they stand still.

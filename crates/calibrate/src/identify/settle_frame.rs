@@ -75,10 +75,10 @@ fn take_out(context: &Context<'_>, motion: &SmallMotion, next: &mut State) {
 
 /// How far the targets of a rotary axis are from nominal along it, in the mean.
 fn mean_axial_shift(context: &Context<'_>, state: &State, k: usize, along: Vector3<f64>) -> f64 {
-    let errors = context.errors(state);
+    let (errors, targets) = (context.errors(state), &context.campaign.targets);
     let mut shifts = Vec::new();
     for (r, run) in context.data[k].runs.iter().enumerate() {
-        let nominal = run.nominal_mm(context.campaign);
+        let nominal = run.targets.iter().map(|&t| targets[t].home_mm);
         let found = errors.targets_mm(k, r).into_iter().zip(nominal);
         shifts.extend(found.map(|(p, home)| (p - home).dot(&along)));
     }

@@ -6,10 +6,10 @@
 //! the targets; component errors answer only to the difference between runs.
 
 use nalgebra::{DMatrix, Matrix6, MatrixXx6};
+use trueaxis_poses::twist_map;
 
 use crate::identify::context::Context;
 use crate::identify::identify_axes::Identified;
-use crate::identify::twist_map::twist_map;
 use crate::in_order;
 use crate::propagate::axis_noise::AxisForm;
 

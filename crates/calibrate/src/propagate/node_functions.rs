@@ -11,7 +11,6 @@
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector, Matrix6};
-use trueaxis_poses::ThroughSources;
 
 use crate::in_order;
 use crate::propagate::axis_noise::AxisForm;
@@ -126,21 +125,10 @@ impl Noise<'_> {
         let of_node = |(node, own): (usize, &Matrix6<f64>)| {
             std::array::from_fn(|c| {
                 let row = 6 * node + c;
-                let ThroughSources {
-                    stations,
-                    declared,
-                    shapes,
-                } = through[row];
                 let uncancelled = own[(c, c)] + through_gauge[row];
-                Variance {
-                    own: uncancelled
-                        + 2.0 * mixed[row]
-                        + scatter.as_ref().map_or(0.0, |s| s[row])
-                        + shapes,
-                    through: stations,
-                    declared,
-                    uncancelled,
-                }
+                let scatter = scatter.as_ref().map_or(0.0, |s| s[row]);
+                let own = uncancelled + 2.0 * mixed[row] + scatter;
+                Variance::new(own, uncancelled, &through[row])
             })
         };
         functions.own.iter().enumerate().map(of_node).collect()

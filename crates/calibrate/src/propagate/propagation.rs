@@ -176,11 +176,8 @@ impl<'a> Noise<'a> {
         let scatter = self.sources.scatter_of(rows);
         let uncancelled = rows.component_mul(rows) * self.sources.own.diagonal() + &scatter;
         let through = self.poses.through_sources(&(rows * &self.sources.shared));
-        let variance = |(i, through): (usize, &ThroughSources)| Variance {
-            own: own[(i, i)] + scatter[i] + through.shapes,
-            through: through.stations,
-            declared: through.declared,
-            uncancelled: uncancelled[i],
+        let variance = |(i, through): (usize, &ThroughSources)| {
+            Variance::new(own[(i, i)] + scatter[i], uncancelled[i], through)
         };
         through.iter().enumerate().map(variance).collect()
     }

@@ -1,5 +1,7 @@
 //! The variance of a linear function of the points' errors.
 
+use trueaxis_poses::ThroughSources;
+
 /// Variance with the stations known, relative to the variances that cancel in it, below which it is
 /// rounding.
 const CANCELLED: f64 = 1e-12;
@@ -18,6 +20,16 @@ pub(crate) struct Variance {
 }
 
 impl Variance {
+    /// From `own` beside what comes through shared sources, and that.
+    pub(crate) fn new(own: f64, uncancelled: f64, through: &ThroughSources) -> Self {
+        Self {
+            own: own + through.shapes,
+            through: through.stations,
+            declared: through.declared,
+            uncancelled,
+        }
+    }
+
     /// Whether gauge or frame define the function, so that it does not depend on the points: every
     /// point has noise of its own, so nothing else has no variance with the stations known.
     pub(crate) fn is_defined_away(&self) -> bool {

@@ -6,11 +6,11 @@ use trueaxis_predict::OutputCovariance;
 use crate::{simulated, two_branches};
 
 fn covariance() -> OutputCovariance {
-    let settings = Settings {
-        by_direction: true,
+    let mut settings = Settings {
         covariance: true,
         ..Settings::default()
     };
+    settings.poses.by_direction = true;
     let calibration = calibrate(&simulated(&two_branches()), &settings).unwrap();
     calibration.covariance.unwrap()
 }
@@ -58,10 +58,8 @@ fn the_matrix_is_the_end_of_its_file() {
 
 #[test]
 fn without_being_asked_there_is_none() {
-    let settings = Settings {
-        by_direction: true,
-        ..Settings::default()
-    };
+    let mut settings = Settings::default();
+    settings.poses.by_direction = true;
     let calibration = calibrate(&simulated(&two_branches()), &settings).unwrap();
     assert!(calibration.covariance.is_none());
 }

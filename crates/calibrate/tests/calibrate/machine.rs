@@ -24,11 +24,11 @@ fn tool() -> Point3<f64> {
 }
 
 fn calibrated(reference_point: ReferencePoint) -> Calibration {
-    let settings = Settings {
-        by_direction: true,
+    let mut settings = Settings {
         reference_point,
         ..Settings::default()
     };
+    settings.poses.by_direction = true;
     calibrate(&simulated(&two_branches()), &settings).unwrap()
 }
 
@@ -82,11 +82,11 @@ fn files_hold_the_whole_machine() {
         }
         let campaign = simulated(&scenario);
         for by_direction in [false, true] {
-            let settings = Settings {
-                by_direction,
+            let mut settings = Settings {
                 reference_point: ReferencePoint::At(Point3::new(50.0, -20.0, 70.0)),
                 ..Settings::default()
             };
+            settings.poses.by_direction = by_direction;
             let calibration = calibrate(&campaign, &settings).unwrap();
             let folder = written(&calibration);
             let machine = read(folder.path()).unwrap();

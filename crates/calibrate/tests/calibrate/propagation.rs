@@ -40,13 +40,14 @@ const PLACES: [([f64; 3], [f64; 3]); 3] = [
 
 /// The observations as they are: nothing is removed. X is approached from both sides.
 fn settings(method: Method) -> Settings {
-    Settings {
-        method,
-        by_direction: true,
+    let mut settings = Settings {
         covariance: true,
-        robust: false,
         ..Settings::default()
-    }
+    };
+    settings.poses.method = method;
+    settings.poses.by_direction = true;
+    settings.poses.robust = false;
+    settings
 }
 
 /// All results in the order and units of their covariance, and behind them the predicted errors at

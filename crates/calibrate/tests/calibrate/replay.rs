@@ -34,11 +34,9 @@ fn exact(scenario: &Scenario, more: f64) -> Campaign {
 
 /// What a replay makes of a change of the lengths is compared with the calibration of those lengths.
 fn assert_replays(what: &str, before: &Campaign, after: &Campaign, method: Method) {
-    let settings = Settings {
-        method,
-        robust: false,
-        ..Settings::default()
-    };
+    let mut settings = Settings::default();
+    settings.poses.method = method;
+    settings.poses.robust = false;
     let lengths = [before, after].map(|campaign| campaign.lengths.as_ref().unwrap());
     let pairs = lengths[0].readings.iter().zip(&lengths[1].readings);
     let errors_mm: Vec<f64> = pairs.map(|(a, b)| b.length_mm - a.length_mm).collect();

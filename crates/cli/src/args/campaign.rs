@@ -141,17 +141,18 @@ pub(crate) struct ModelArgs {
 impl ModelArgs {
     /// The settings that these arguments mean.
     pub(crate) fn settings(&self) -> Settings {
-        Settings {
-            method: match self.method {
-                MethodArg::Joint => Method::Joint,
-                MethodArg::Nine => Method::Nine,
-                MethodArg::Six => Method::Six(SixRows::PAPER),
-            },
-            by_direction: self.by_direction,
+        let mut settings = Settings {
             reference_point: self.reference_point,
-            robust: !self.no_robust,
             ..Settings::default()
-        }
+        };
+        settings.poses.method = match self.method {
+            MethodArg::Joint => Method::Joint,
+            MethodArg::Nine => Method::Nine,
+            MethodArg::Six => Method::Six(SixRows::PAPER),
+        };
+        settings.poses.by_direction = self.by_direction;
+        settings.poses.robust = !self.no_robust;
+        settings
     }
 }
 

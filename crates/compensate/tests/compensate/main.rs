@@ -68,10 +68,8 @@ fn scenario(text: &str) -> Scenario {
 
 /// The machine of a scenario as one campaign measures it, the sides of approach apart or not.
 fn calibrated(scenario: &Scenario, by_direction: bool) -> CalibratedMachine {
-    let settings = Settings {
-        by_direction,
-        ..Settings::default()
-    };
+    let mut settings = Settings::default();
+    settings.poses.by_direction = by_direction;
     calibrated_with(scenario, &settings)
 }
 

@@ -229,7 +229,7 @@ fn any_calibration_is_judged() {
     for scenario in [by_direction, exact] {
         let campaign = simulate(&scenario, 1).unwrap().campaign;
         let mut settings = Settings::default();
-        settings.calibration.by_direction = true;
+        settings.calibration.poses.by_direction = true;
         let diagnosis = diagnose(&campaign, &settings).unwrap();
         for cause in named(&diagnosis) {
             let mut parameters = cause.parameters.iter();

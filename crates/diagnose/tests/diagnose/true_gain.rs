@@ -7,7 +7,7 @@
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use trueaxis_calibrate::{Calibration, Settings as Calibrating, calibrate};
+use trueaxis_calibrate::{Calibration, calibrate};
 use trueaxis_campaign::{Campaign, Stop, Target};
 use trueaxis_diagnose::{Cause, Gain, HeldOutRatio, Settings, diagnose};
 use trueaxis_effects::Level;
@@ -127,15 +127,9 @@ fn case(seed: u64, scenario: &str) -> Option<(f64, Gain)> {
     let measured = |seed: u64| simulate(&scenario, seed).unwrap().campaign;
     let campaign = measured(1000 * seed);
     let (gain, extended) = gain_and_calibration(&campaign)?;
-    let as_they_are = Settings::default().calibration;
-    let plain = calibrate(
-        &campaign,
-        &Calibrating {
-            robust: false,
-            ..as_they_are
-        },
-    )
-    .unwrap();
+    let mut as_they_are = Settings::default().calibration;
+    as_they_are.poses.robust = false;
+    let plain = calibrate(&campaign, &as_they_are).unwrap();
     let stations = scenario
         .stations
         .iter()

@@ -100,10 +100,8 @@ fn both_sides_of_approach_are_two_visits() {
     let mut campaign = points_campaign(simulated(&two_branches()), 1, &Isometry3::identity());
     campaign.instrument.repeatability_um = None;
     for by_direction in [false, true] {
-        let settings = Settings {
-            by_direction,
-            ..settings(Method::Nine)
-        };
+        let mut settings = settings(Method::Nine);
+        settings.poses.by_direction = by_direction;
         let lacks = calibrate(&campaign, &settings).unwrap().uncertainty.lacks;
         let said = lacks.iter().any(|part| part.starts_with("repeatability"));
         assert_eq!(said, by_direction);
