@@ -252,17 +252,18 @@ impl NamedErrors {
 
     /// `PXC PYC PZC`, which must be on the nominal axis.
     fn centre(&self, axis: &Axis) -> Result<Option<Point3<f64>>, Error> {
+        if axis.kind() == AxisKind::Linear {
+            return Ok(None);
+        }
         let names = centre_names(axis);
         let found = names.iter().filter_map(|name| self.constants.get(name));
         let found: Vec<(usize, f64)> = found.copied().collect();
-        let (&[(line, x), (_, y), (_, z)], AxisKind::Rotary) = (found.as_slice(), axis.kind())
-        else {
-            return match found.first() {
-                Some(&(line, value)) if axis.kind() == AxisKind::Rotary => {
-                    Err(self.wrong(line, &value.to_string(), names.join(", ")))
-                }
-                _ => Ok(None),
-            };
+        let (line, [x, y, z]) = match *found {
+            [] => return Ok(None),
+            [(line, x), (_, y), (_, z)] => (line, [x, y, z]),
+            [(line, value), ..] => {
+                return Err(self.wrong(line, &value.to_string(), names.join(", ")));
+            }
         };
         let centre = Point3::new(x, y, z);
         let beside = axis

@@ -186,17 +186,13 @@ impl Assigned {
         let Some((line, value)) = self.fields.get(MULT_BY_TABLE) else {
             return Ok(None);
         };
-        let number: Option<usize> = value.parse().ok();
-        let Some(index) = number.map(|number| number.checked_sub(1)) else {
-            return Err(wrong(
-                file,
-                *line,
-                value,
-                "the number of a table from 1, or 0",
-            ));
-        };
-        let Some(other) = index.map(|index| format!("${index}")) else {
-            return Ok(None);
+        let other = match value.parse::<usize>() {
+            Ok(0) => return Ok(None),
+            Ok(number) => format!("${}", number - 1),
+            Err(_) => {
+                let expected = "the number of a table from 1, or 0";
+                return Err(wrong(file, *line, value, expected));
+            }
         };
         let is_plain = |table: &Self| {
             let field = table.fields.get(MULT_BY_TABLE);
