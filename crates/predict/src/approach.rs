@@ -75,7 +75,7 @@ impl CalibratedMachine {
                 }
             }
         }
-        self.factors.between(&lost, &lost).max(0.0).sqrt()
+        self.factors.u(&lost)
     }
 
     /// The places of [`CalibratedMachine::volume`]: `points` nodes (two at least) along each linear axis, the others

@@ -141,9 +141,9 @@ impl CalibratedMachine {
             for component in b.reported.iter().filter(|c| a.reported.contains(c)) {
                 let of = |machine: &Self, axis: &CalibratedAxis| {
                     let place = axis.reported.iter().position(|other| other == component);
-                    let place = [(axis.first_location + place.unwrap_or_default(), 1.0)];
-                    let variance = machine.factors.between(&place, &place).max(0.0);
-                    (component.of(&axis.location), variance.sqrt())
+                    let place = axis.first_location + place.unwrap_or_default();
+                    let u = machine.factors.u(&[(place, 1.0)]);
+                    (component.of(&axis.location), u)
                 };
                 let ((first, u_a), (second, u_b)) = (of(self, a), of(second, b));
                 all.push(Difference {
@@ -246,9 +246,8 @@ impl CalibratedMachine {
         let c = component.index();
         let places = sample.weights.iter();
         let places: Vec<_> = places.map(|&(n, w)| (axis.first + 6 * n + c, w)).collect();
-        let variance = self.factors.between(&places, &places).max(0.0);
         let between_steps = axis.remainder.u(&sample)[c];
         let value = axis.error(&sample).to_vector()[c];
-        Some((value, variance.sqrt().hypot(between_steps)))
+        Some((value, self.factors.u(&places).hypot(between_steps)))
     }
 }

@@ -58,6 +58,9 @@ pub(crate) struct Sample {
     pub(crate) is_below: bool,
 }
 
+/// The side of approach, if it is one alone, and how many steps of it, or of each, are below.
+pub(crate) type Gap = (Option<usize>, Vec<usize>);
+
 #[derive(Debug, Clone, PartialEq)]
 struct Side {
     /// Side of approach, where kept apart.
@@ -146,29 +149,17 @@ impl Curve {
     }
 
     /// Between which steps a position is, of the side from which it is approached if that is given and has a curve of its own:
-    /// positions with the same number are in the same gap.
-    pub(crate) fn gap(&self, position: f64, from: Option<Direction>) -> usize {
+    /// positions with the same are in the same gap.
+    pub(crate) fn gap(&self, position: f64, from: Option<Direction>) -> Gap {
         let gap = |side: &Side| {
             let position = side.in_turn(position);
             side.of_knots
                 .partition_point(|(step, _)| step.position < position)
         };
-        let own = self
-            .sides
-            .iter()
-            .position(|s| from.is_some() && s.direction == from);
-        let counts = || self.sides.iter().map(|side| side.of_knots.len() + 1);
-        match own {
-            // Behind the numbers of all gaps of the mean curve.
-            Some(own) => {
-                let before: usize = counts().product::<usize>() + counts().take(own).sum::<usize>();
-                before + gap(&self.sides[own])
-            }
-            None => self
-                .sides
-                .iter()
-                .zip(counts())
-                .fold(0, |all, (side, count)| all * count + gap(side)),
+        let mut sides = self.sides.iter();
+        match sides.position(|s| from.is_some() && s.direction == from) {
+            Some(own) => (Some(own), vec![gap(&self.sides[own])]),
+            None => (None, self.sides.iter().map(gap).collect()),
         }
     }
 

@@ -81,13 +81,11 @@ impl FactoredCovariance {
         matrix
     }
 
-    /// Covariance of two linear functions of the results, each given by the places of results and coefficients.
-    pub fn between(&self, a: &[(usize, f64)], b: &[(usize, f64)]) -> f64 {
-        let six = |function: &[(usize, f64)]| -> Vec<(usize, Vector6<f64>)> {
-            let first = |&(place, c): &(usize, f64)| (place, Vector6::ith(0, c));
-            function.iter().map(first).collect()
-        };
-        self.of_functions(&six(a), &six(b))[(0, 0)]
+    /// Standard uncertainty of a linear function of the results, given by the places of results and coefficients.
+    pub fn u(&self, function: &[(usize, f64)]) -> f64 {
+        let first_of_six = |&(place, c): &(usize, f64)| (place, Vector6::ith(0, c));
+        let six: Vec<_> = function.iter().map(first_of_six).collect();
+        self.of_functions(&six, &six)[(0, 0)].max(0.0).sqrt()
     }
 
     /// Covariance of six functions with six others: coefficients of the results in all six.

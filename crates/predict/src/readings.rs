@@ -15,6 +15,7 @@ use trueaxis_kinematics::{AxisKind, Branch, GeometricErrors, Ideal, MICROMETRE, 
 
 use crate::approach::Approach;
 use crate::calibrated_machine::{CalibratedAxis, CalibratedMachine};
+use crate::curve::Gap;
 use crate::predict::influences;
 
 /// Positions of an axis this close are one, mm or rad.
@@ -296,7 +297,7 @@ fn step_of((place, _): &Influence) -> usize {
 struct Row {
     results: Vec<Influence>,
     /// For each axis the gap in which it stands and what the interpolation of its six components may be off by, mm.
-    interpolated: Vec<(usize, usize, Vector6<f64>)>,
+    interpolated: Vec<(usize, Gap, Vector6<f64>)>,
 }
 
 impl Row {
@@ -311,7 +312,7 @@ impl Row {
 fn between_steps(a: &Row, b: &Row) -> f64 {
     let pairs = a.interpolated.iter().zip(&b.interpolated);
     pairs
-        .filter(|(a, b)| (a.0, a.1) == (b.0, b.1))
+        .filter(|(a, b)| (a.0, &a.1) == (b.0, &b.1))
         .map(|(a, b)| a.2.dot(&b.2))
         .sum()
 }

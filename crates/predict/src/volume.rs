@@ -82,8 +82,7 @@ impl CalibratedMachine {
     /// to the sum `e`. Shares add up to one; one that is negative takes away from what others make.
     pub fn volume(&self, settings: &VolumeSettings) -> Volume {
         let tool_mm = settings.tool_home_mm;
-        let points = settings.points.max(2);
-        let places = Places::new(self, points, tool_mm);
+        let places = self.places(settings.points, tool_mm);
         let at_home = vec![0.0; self.machine.axes().len()];
         let home = self.machine.tool_error(self, &at_home, tool_mm);
         let zero = zeroing(&home);

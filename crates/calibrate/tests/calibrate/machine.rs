@@ -121,13 +121,18 @@ fn the_factors_state_the_uncertainties() {
 
 fn assert_states_the_uncertainties(calibration: &Calibration) {
     let dense = calibration.factors.dense();
+    let in_u = |i: usize| match dense[(i, i)] > 0.0 {
+        true => dense[(i, i)].sqrt().recip(),
+        false => 1.0,
+    };
     for (i, result) in calibration.results().iter().enumerate() {
         let off = dense[(i, i)].max(0.0).sqrt() - result.u;
         assert!(off.abs() <= 1e-9 * result.u, "{:?}: {off:e}", result.output);
         for j in [0, i / 2, i] {
-            let single = calibration.factors.between(&[(i, 1.0)], &[(j, 1.0)]);
-            let scale = (dense[(i, i)] * dense[(j, j)]).sqrt();
-            assert!((single - dense[(i, j)]).abs() <= 1e-9 * scale);
+            let (a, b) = (in_u(i), in_u(j));
+            let u = calibration.factors.u(&[(i, a), (j, b)]);
+            let both = a * a * dense[(i, i)] + b * b * dense[(j, j)];
+            assert!((u * u - both - 2.0 * a * b * dense[(i, j)]).abs() <= 4e-9);
         }
     }
 }

@@ -306,7 +306,7 @@ impl Measured {
         let count = self.results.len() + 4 * stations;
         let in_file = FactoredCovariance::from_npz(bytes, nodes, count)?;
         for (i, (name, unit, expected)) in self.results.iter().enumerate() {
-            let u = in_file.between(&[(i, 1.0)], &[(i, 1.0)]).max(0.0).sqrt();
+            let u = in_file.u(&[(i, 1.0)]);
             if (u - expected).abs() > SAME_U * expected + ROUNDED_U {
                 return Err(CovarianceProblem::OtherUncertainty {
                     result: format!("{name} ({})", unit.suffix()),
