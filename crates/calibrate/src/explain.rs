@@ -2,9 +2,9 @@
 
 use trueaxis_campaign::{Campaign, Stop};
 use trueaxis_mistakes::{Mistakes, Refused, Trial};
-use trueaxis_poses::targets_elsewhere;
 
 use crate::Error;
+use crate::report::nominal_positions::targets_elsewhere;
 use crate::report::notices::absurd_errors;
 use crate::result::calibration::Calibration;
 
@@ -29,7 +29,7 @@ pub(crate) fn refused(error: &Error) -> Refused {
 }
 
 pub(crate) fn trial(campaign: &Campaign, calibration: Calibration) -> Trial {
-    let elsewhere = targets_elsewhere(campaign, calibration.named_targets());
+    let elsewhere = targets_elsewhere(campaign, &calibration.targets);
     Trial {
         adjustment: calibration.adjustment.clone(),
         is_plausible: elsewhere.is_empty()

@@ -42,7 +42,6 @@ mod error;
 mod lengths;
 mod measure;
 mod missing;
-mod nominal_positions;
 mod points;
 mod poses;
 mod report;
@@ -60,7 +59,6 @@ pub use lengths::{
 };
 pub use measure::{MeasuredPoses, NoiseByEquations, measure};
 pub use missing::missing;
-pub use nominal_positions::{homes_out_of_reach, targets_elsewhere};
 pub use poses::{
     PoseNoise, PoseObservation, Poses, TargetBody, ThroughSources, turned_about, twist_map,
 };

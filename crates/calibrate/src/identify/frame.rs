@@ -2,12 +2,10 @@
 
 use nalgebra::{DMatrix, Vector3};
 use trueaxis_campaign::frame_rule;
-use trueaxis_kinematics::{AxisKind, LocationComponent, Machine};
+use trueaxis_kinematics::{AxisKind, LocationComponent, Machine, SmallMotion};
 use trueaxis_leastsquares::dense::Svd;
 
 use crate::identify::context::Context;
-
-pub(crate) use trueaxis_kinematics::SmallMotion;
 
 /// The rule that fixes the frame of a campaign.
 pub(crate) struct FrameRule {

@@ -1,10 +1,10 @@
 //! The reference frame in each pass: where the rule wants it.
 
 use nalgebra::{DMatrix, Point3, Translation3, Vector3};
-use trueaxis_kinematics::AxisKind;
+use trueaxis_kinematics::{AxisKind, SmallMotion};
 
 use crate::identify::context::Context;
-use crate::identify::frame::{Anchor, FrameRule, SmallMotion};
+use crate::identify::frame::{Anchor, FrameRule};
 use crate::identify::state::State;
 
 /// Moves the reference frame and the axial places of rotary axes to where the rule wants them;

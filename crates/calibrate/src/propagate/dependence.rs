@@ -57,7 +57,7 @@ impl<'a> Dependence<'a> {
             runs.map(|run| map.base_motion(k, run).rows()).collect()
         });
         let motions: Vec<Vec<Matrix6xX<f64>>> = motions.collect();
-        let bases = map.into_responses().into_iter().zip(motions).collect();
+        let bases = map.responses.into_iter().zip(motions).collect();
         Self {
             context,
             identified,

@@ -10,7 +10,6 @@ use trueaxis_kinematics::{AxisKind, GeometricErrors, Twist};
 
 use crate::identify::basis::Basis;
 use crate::identify::context::{Context, ModelErrors};
-use crate::identify::frame::SmallMotion;
 use crate::identify::identify_axes::Identified;
 use crate::propagate::base_response::BaseResponse;
 use crate::propagate::sources::Sources;
@@ -21,7 +20,8 @@ pub(crate) struct FrameMap<'a, 's> {
     context: &'a Context<'a>,
     identified: &'a Identified,
     sources: &'s Sources,
-    responses: Vec<BaseResponse<'a>>,
+    /// How each axis answers to motions of its base.
+    pub(crate) responses: Vec<BaseResponse<'a>>,
     /// The sources freed of the errors of the axes outside.
     net: DMatrix<f64>,
     /// For each axis the error of its place along itself; zero for linear axes.
@@ -49,11 +49,6 @@ impl<'a, 's> FrameMap<'a, 's> {
             net: DMatrix::identity(sources.count, sources.count),
             axial: DMatrix::zeros(context.data.len(), sources.count),
         }
-    }
-
-    /// How each axis answers to motions of its base.
-    pub(crate) fn into_responses(self) -> Vec<BaseResponse<'a>> {
-        self.responses
     }
 
     fn errors(&self) -> ModelErrors<'_> {
@@ -202,7 +197,7 @@ impl<'a, 's> FrameMap<'a, 's> {
         for j in 0..self.sources.count {
             let tilts: Vec<_> = tilts.iter().map(|m| column(m, j)).collect();
             let shifts: Vec<_> = shifts.iter().map(|m| column(m, j)).collect();
-            let motion: SmallMotion = rule.motion(&tilts, &shifts);
+            let motion = rule.motion(&tilts, &shifts);
             displacement.column_mut(j).copy_from(&motion.translation);
             rotation.column_mut(j).copy_from(&motion.rotation);
             pivot = motion.pivot;

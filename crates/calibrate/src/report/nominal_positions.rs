@@ -4,15 +4,16 @@ use nalgebra::{Point3, Vector3};
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::{Axis, AxisKind};
 
+use crate::result::calibration::{AxisResult, TargetResult};
+
 /// A nominal distance between targets that is this wrong, mm, is no matter of how nests are set.
 const ELSEWHERE_MM: f64 = 10.0;
 
 /// Linear axes that never come home: what their results refer to there is out of reach.
-pub fn homes_out_of_reach(
-    campaign: &Campaign,
-    axes: impl IntoIterator<Item = usize>,
-) -> Option<String> {
-    let axes = axes.into_iter().map(|axis| &campaign.machine.axes()[axis]);
+pub(crate) fn homes_out_of_reach(campaign: &Campaign, measured: &[AxisResult]) -> Option<String> {
+    let axes = measured
+        .iter()
+        .map(|own| &campaign.machine.axes()[own.axis]);
     let away = axes.filter_map(|axis| {
         let [low, high] = axis.travel();
         let linear = axis.kind() == AxisKind::Linear;
@@ -44,14 +45,11 @@ pub fn homes_out_of_reach(
 }
 
 /// Targets of one stage that are not where the campaign says they are, relative to the others there. Where those on
-/// the bed should be matters to nothing. `measured` are names and places at home, mm.
-pub fn targets_elsewhere<'a>(
-    campaign: &Campaign,
-    measured: impl IntoIterator<Item = (&'a str, Point3<f64>)>,
-) -> Vec<String> {
-    let places = measured.into_iter().filter_map(|(name, found)| {
-        let target = campaign.targets.iter().find(|t| t.name == name)?;
-        Some((target.carrier?, target.home_mm, (name, found)))
+/// the bed should be matters to nothing.
+pub(crate) fn targets_elsewhere(campaign: &Campaign, measured: &[TargetResult]) -> Vec<String> {
+    let places = measured.iter().filter_map(|found| {
+        let target = campaign.targets.iter().find(|t| t.name == found.name)?;
+        Some((target.carrier?, target.home_mm, found))
     });
     let mut places: Vec<OnStage<'_>> = places.collect();
     places.sort_by_key(|(carrier, ..)| *carrier);
@@ -59,14 +57,15 @@ pub fn targets_elsewhere<'a>(
     stages.filter_map(elsewhere_on_stage).collect()
 }
 
-/// The carrier of a target, where it should be, its name and where it is.
-type OnStage<'a> = (usize, Point3<f64>, (&'a str, Point3<f64>));
+/// The carrier of a target, where it should be, mm, and where it is.
+type OnStage<'a> = (usize, Point3<f64>, &'a TargetResult);
 
 fn elsewhere_on_stage(targets: &[OnStage<'_>]) -> Option<String> {
     let mut wrong = Vec::new();
-    for (i, (_, nominal, (_, found))) in targets.iter().enumerate() {
-        for (j, (_, other_nominal, (_, other))) in targets.iter().enumerate().skip(i + 1) {
-            let difference_mm = (found - other).norm() - (nominal - other_nominal).norm();
+    for (i, (_, nominal, found)) in targets.iter().enumerate() {
+        for (j, (_, other_nominal, other)) in targets.iter().enumerate().skip(i + 1) {
+            let distance_mm = (found.position_mm - other.position_mm).norm();
+            let difference_mm = distance_mm - (nominal - other_nominal).norm();
             if difference_mm.abs() > ELSEWHERE_MM {
                 wrong.push((i, j, difference_mm));
             }
@@ -75,7 +74,7 @@ fn elsewhere_on_stage(targets: &[OnStage<'_>]) -> Option<String> {
     let largest = wrong.iter().map(|(.., mm)| mm.abs()).fold(0.0, f64::max);
     let in_all = |k: &usize| wrong.iter().all(|(i, j, _)| i == k || j == k);
     let mut suspects = (0..targets.len()).filter(in_all);
-    let name = |k: usize| targets[k].2.0;
+    let name = |k: usize| &targets[k].2.name;
     let who = match (suspects.next(), suspects.next()) {
         _ if wrong.is_empty() => return None,
         (Some(one), None) => format!("target {}", name(one)),
@@ -100,18 +99,17 @@ mod tests {
             [0.0, 250.0, 0.0],
             [90.0, 80.0, 200.0],
         ];
-        let targets = (0..4).map(|k| {
-            let mut found = Point3::from(nominal[k]);
+        let found = nominal.iter().enumerate().map(|(k, &[x, y, z])| {
             let moved = moved.iter().filter(|(target, _)| *target == k);
-            found.x += moved.map(|(_, by)| by).sum::<f64>();
-            (
-                0,
-                Point3::from(nominal[k]),
-                (["T0", "T1", "T2", "T3"][k], found),
-            )
+            TargetResult {
+                name: format!("T{k}"),
+                position_mm: Point3::new(x + moved.map(|(_, by)| by).sum::<f64>(), y, z),
+            }
         });
-        let targets: Vec<OnStage<'_>> = targets.collect();
-        elsewhere_on_stage(&targets)
+        let found: Vec<TargetResult> = found.collect();
+        let targets = nominal.iter().zip(&found);
+        let targets = targets.map(|(&nominal, found)| (0, Point3::from(nominal), found));
+        elsewhere_on_stage(&targets.collect::<Vec<_>>())
     }
 
     #[test]

@@ -2,8 +2,8 @@
 
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
-use trueaxis_poses::{homes_out_of_reach, targets_elsewhere};
 
+use crate::report::nominal_positions::{homes_out_of_reach, targets_elsewhere};
 use crate::result::calibration::{AxisResult, Calibration, NodeResult, StationResult};
 
 /// A paced-off position of a station is right to this, mm.
@@ -31,11 +31,8 @@ pub(crate) fn notices(
     notices.extend(axes.iter().filter_map(contradicting_runs));
     notices.extend(unmeasured_axes(campaign, axes));
     notices.extend(axes.iter().filter_map(without_straightness));
-    notices.extend(homes_out_of_reach(
-        campaign,
-        axes.iter().map(|axis| axis.axis),
-    ));
-    notices.extend(targets_elsewhere(campaign, calibration.named_targets()));
+    notices.extend(homes_out_of_reach(campaign, axes));
+    notices.extend(targets_elsewhere(campaign, &calibration.targets));
     notices.extend(axes.iter().flat_map(absurd_errors));
     notices.extend(stations_elsewhere(campaign, &calibration.stations));
     notices.extend(absurd_scale(calibration));

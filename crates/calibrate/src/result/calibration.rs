@@ -293,12 +293,6 @@ impl Calibration {
     pub fn axis(&self, name: &str) -> Option<&AxisResult> {
         self.axes.iter().find(|axis| axis.name == name)
     }
-
-    /// Names of the targets and where they are at home, mm.
-    pub(crate) fn named_targets(&self) -> impl Iterator<Item = (&str, Point3<f64>)> {
-        let targets = self.targets.iter();
-        targets.map(|target| (target.name.as_str(), target.position_mm))
-    }
 }
 
 impl AxisResult {
