@@ -14,7 +14,7 @@ use trueaxis_montecarlo::{ChaCha8Rng, Model};
 use trueaxis_poses::{PoseTrials, Station, TrialWorkspace};
 
 use crate::Error;
-use crate::calibrate::{Parts, calibrate_in_parts};
+use crate::calibrate::calibrate_in_parts;
 use crate::identify::axis_data::AxisData;
 use crate::identify::context::Context;
 use crate::identify::identify_axes::Identified;
@@ -48,20 +48,14 @@ pub fn calibrate_for_replay<'a>(
     settings: &Settings,
 ) -> Result<(Calibration, Replay<'a>), Error> {
     let (calibration, parts) = calibrate_in_parts(campaign, settings)?;
-    let Parts {
-        machine,
-        measured,
-        data,
-        identified,
-    } = parts;
     let results = calibration.results().into_iter().enumerate();
     let (places, results) = results.filter(|(_, result)| result.u > 0.0).unzip();
     let replay = Replay {
         campaign,
-        machine,
-        trials: PoseTrials::new(measured)?,
-        data,
-        identified,
+        machine: parts.machine,
+        trials: PoseTrials::new(parts.measured)?,
+        data: parts.data,
+        identified: parts.identified,
         results,
         places,
     };

@@ -300,12 +300,6 @@ impl Request<'_> {
         }
     }
 
-    /// The error for a format of one file that got more.
-    fn one_file(&self) -> Error {
-        let found = self.onto.len();
-        self.unsuitable("one old file", format!("{found} were given"))
-    }
-
     fn name(&self, axis: usize) -> &str {
         self.machine.machine().axes()[axis].name()
     }

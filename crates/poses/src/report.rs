@@ -191,13 +191,9 @@ impl AdjustmentReport {
     /// How the residuals compare with the declared noise, if that is worth a word, and what follows.
     /// `both_sides` says whether the mean of both sides of approach is adjusted.
     pub(crate) fn residual_notices(&self, consequence: &str, both_sides: bool) -> Vec<String> {
-        let Self {
-            sigma0,
-            p_value,
-            degrees_of_freedom,
-            ..
-        } = self;
-        if *degrees_of_freedom == 0 {
+        let (sigma0, p_value, degrees_of_freedom) =
+            (self.sigma0, self.p_value, self.degrees_of_freedom);
+        if degrees_of_freedom == 0 {
             let notice =
                 "nothing checks the measurement: there are no more observations than unknowns";
             return vec![notice.to_owned()];
@@ -209,7 +205,7 @@ impl AdjustmentReport {
             )];
         }
         if self.is_contradicted() {
-            let p_value = match *p_value < f64::MIN_POSITIVE {
+            let p_value = match p_value < f64::MIN_POSITIVE {
                 true => "below 1e-300".to_owned(),
                 false => format!("= {p_value:.0e}"),
             };
@@ -224,7 +220,7 @@ impl AdjustmentReport {
                 false => vec![notice],
             };
         }
-        if *p_value > 1.0 - GLOBAL_TEST_LEVEL {
+        if p_value > 1.0 - GLOBAL_TEST_LEVEL {
             return vec![format!(
                 "the residuals are only {sigma0:.3} times what the declared noise explains: it is \
                  declared too large; {consequence}"

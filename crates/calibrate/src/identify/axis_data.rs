@@ -169,12 +169,12 @@ fn weigh_records(data: &mut AxisData, poses: &Poses) {
         .collect();
     for records in &data.records_of {
         let sum: f64 = records.iter().map(|&i| precisions[i]).sum();
-        for &i in records.iter().filter(|_| sum.is_finite()) {
-            data.records[i].weight = precisions[i] / sum;
-        }
         let alike = 1.0 / records.len() as f64;
-        for &i in records.iter().filter(|_| !sum.is_finite()) {
-            data.records[i].weight = alike;
+        for &i in records {
+            data.records[i].weight = match sum.is_finite() {
+                true => precisions[i] / sum,
+                false => alike,
+            };
         }
     }
 }

@@ -87,15 +87,12 @@ impl Context<'_> {
         let current = values.curve[record.node];
         let position = own.nodes[record.node].position;
         let motion = axis.motion(position, &values.location, &current);
-        let Surroundings {
-            base_from_datum,
-            stage_from_body,
-        } = &surroundings[record.run];
+        let around = &surroundings[record.run];
         Seen {
-            base_from_datum: *base_from_datum,
-            left: base_from_datum
+            base_from_datum: around.base_from_datum,
+            left: around.base_from_datum
                 * self.measured[record.pose]
-                * (motion * stage_from_body).inverse(),
+                * (motion * around.stage_from_body).inverse(),
             reference_mm: motion * axis.reference_at_home_mm(&values.location),
             current,
         }

@@ -24,9 +24,8 @@ pub(crate) struct Sources {
     pub(crate) placements: Vec<Vec<usize>>,
     /// Where other axes stand.
     held: Vec<Held>,
-    /// First unknown of the first station (x y z L each), and the number of stations.
+    /// First unknown of the first station (x y z L each); they are the last.
     pub(crate) stations: usize,
-    station_count: usize,
     /// First coordinate of the first target's nest: how far it is from its nominal position, mm.
     pub(crate) nests: usize,
     /// Declared variance of each coordinate of each nest, mm²; zero where none is declared.
@@ -100,8 +99,8 @@ impl Sources {
                 shared.row_mut(row).copy_from(&coefficients.row(i));
             }
         }
-        if noise.stations.nrows() == 4 * self.station_count {
-            let mut stations = shared.rows_mut(self.stations, 4 * self.station_count);
+        let mut stations = shared.rows_range_mut(self.stations..);
+        if noise.stations.nrows() == stations.nrows() {
             stations.copy_from(&noise.stations);
         }
         for (i, &variance_mm2) in self.nest_variances_mm2.iter().enumerate() {
@@ -155,15 +154,13 @@ impl Sources {
         });
         let nests = take(3 * targets.len());
         // Behind all that is no function of the shared sources alone.
-        let station_count = stations;
-        let stations = take(4 * station_count);
+        let stations = take(4 * stations);
         Self {
             count: next,
             location,
             placements,
             held,
             stations,
-            station_count,
             nests,
             nest_variances_mm2: variances.collect(),
             axes: Vec::new(),

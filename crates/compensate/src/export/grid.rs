@@ -71,7 +71,10 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
             }
             Some(own.with(&read, request)?)
         }
-        _ => return Err(request.one_file()),
+        more => {
+            let lacks = format!("{} were given", more.len());
+            return Err(request.unsuitable("one old file", lacks));
+        }
     };
     let Grid { nodes, values, .. } = written.as_ref().unwrap_or(&own);
 

@@ -37,25 +37,23 @@ impl Sides {
                     .to_owned(),
             );
         }
-        match self {
-            Self::Nothing | Self::Parameter | Self::Columns => None,
-            Self::Mean => {
-                let lines = axes.iter().filter(apart);
-                let lines = lines.filter_map(|&axis| Line::new(request, axis).ok());
-                let lost = lines.filter_map(|line| {
-                    let (name, unit) = (request.name(line.axis), request.unit(line.axis));
-                    let lost = line.known_lost_motion(request)?;
-                    Some(format!("{name} {} {unit}", round(lost, DECIMALS)))
-                });
-                let lost: Vec<String> = lost.collect();
-                (!lost.is_empty()).then(|| {
-                    format!(
-                        "the tables hold the mean of both sides of approach: lost motion stays ({}), and the figures above are \
-                         without it; give it to the control as its backlash",
-                        lost.join(", ")
-                    )
-                })
-            }
+        if self != Self::Mean {
+            return None;
         }
+        let lines = axes.iter().filter(apart);
+        let lines = lines.filter_map(|&axis| Line::new(request, axis).ok());
+        let lost = lines.filter_map(|line| {
+            let (name, unit) = (request.name(line.axis), request.unit(line.axis));
+            let lost = line.known_lost_motion(request)?;
+            Some(format!("{name} {} {unit}", round(lost, DECIMALS)))
+        });
+        let lost: Vec<String> = lost.collect();
+        (!lost.is_empty()).then(|| {
+            format!(
+                "the tables hold the mean of both sides of approach: lost motion stays ({}), and the figures above are \
+                 without it; give it to the control as its backlash",
+                lost.join(", ")
+            )
+        })
     }
 }

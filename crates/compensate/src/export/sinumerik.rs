@@ -98,8 +98,8 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     for file in request.onto {
         let old = read::read(file, request.machine.machine())?;
         for table in old.tables {
-            let last = table.min + table.step * (table.values.len() - 1) as f64;
-            notes.extend(reach(request, &file.name, table.input, [table.min, last])?);
+            let ends = [table.min, table.max()];
+            notes.extend(reach(request, &file.name, table.input, ends)?);
             if !new.replaces(&table, request) {
                 sag.add(table, request)?;
             }
@@ -164,17 +164,14 @@ fn text(name: &str, request: &Request<'_>, tables: &[Placed<'_>]) -> String {
         request.origin()
     );
     for (number, placed) in tables.iter().enumerate() {
-        let Placed {
-            table,
-            multiplied_by,
-        } = placed;
+        let (table, multiplied_by) = (placed.table, placed.multiplied_by);
         let (of, by) = (request.name(table.output), request.name(table.input));
         // Writing to a String cannot fail.
         let _ = match (table.kind, multiplied_by) {
             (Kind::Encoder, _) => writeln!(text, "; {of}"),
             (Kind::Sag, _) => writeln!(text, "; {of} by {by}"),
             (Kind::Factor, Some(lever)) => {
-                let along = request.name(tables[*lever].table.input);
+                let along = request.name(tables[lever].table.input);
                 writeln!(
                     text,
                     "; {of} by {by}, for each mm of {along}: times table {}",
@@ -186,7 +183,7 @@ fn text(name: &str, request: &Request<'_>, tables: &[Placed<'_>]) -> String {
                 "; {by} as a lever for {of}: a factor, no compensation"
             ),
         };
-        table.write(&mut text, number, *multiplied_by);
+        table.write(&mut text, number, multiplied_by);
     }
     text.push_str("M17\n");
     text

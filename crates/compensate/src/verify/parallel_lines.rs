@@ -102,16 +102,13 @@ fn lines<'a>(machine: &CalibratedMachine, verified: &'a [Verified], axis: usize)
         let Some(kind) = &verified.kind else {
             continue;
         };
-        let VerificationKind::Positioning {
-            axis: own,
-            target_mm,
-        } = *kind
-        else {
-            continue;
+        let target_mm = match *kind {
+            VerificationKind::Positioning {
+                axis: own,
+                target_mm,
+            } if own == axis => target_mm,
+            _ => continue,
         };
-        if own != axis {
-            continue;
-        }
         let positions = verified.points.iter().map(|p| p.positions.as_slice());
         let numbers = positioning_lines(axis, positions);
         for number in 0..numbers.iter().max().map_or(0, |last| last + 1) {

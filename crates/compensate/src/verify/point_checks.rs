@@ -30,14 +30,9 @@ pub(crate) fn verified_points(
     let mut points = Vec::new();
     let mut measured = Vec::new();
     for (number, place) in places.iter().enumerate() {
-        let &Place {
-            positions,
-            tool_home_mm,
-            ..
-        } = place;
-        let predicted = nominal
-            .tool_error(machine, positions, tool_home_mm)
-            .translation_mm;
+        let (positions, tool_home_mm) = (place.positions, place.tool_home_mm);
+        let error = nominal.tool_error(machine, positions, tool_home_mm);
+        let predicted = error.translation_mm;
         let corrected = correct(nominal, machine, positions, tool_home_mm, Moved::All)?;
         let commanded = nominal.tool_in_workpiece(&Ideal, positions) * tool_home_mm;
         let from_home_mm = (commanded - tool_home_mm).norm();

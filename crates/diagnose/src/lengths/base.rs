@@ -252,14 +252,7 @@ impl<'a> Base<'a> {
         reading: &Reading,
         solution: &Solution,
     ) -> Observation<'b> {
-        reading.observation(
-            &self.scene.machine,
-            &self.campaign.steps[reading.step].positions,
-            &self.network,
-            &solution.stations,
-            &solution.points_mm,
-            &self.temperatures,
-        )
+        reading.observation(self.campaign, &self.network, solution, &self.temperatures)
     }
 
     /// What causes do to a reading, mm.

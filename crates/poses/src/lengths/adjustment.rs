@@ -148,9 +148,7 @@ impl<'a> LengthsAdjustment<'a> {
 
     /// The poses of the stages under test in an adjustment with rigid stages.
     pub(crate) fn poses(&self) -> Result<Poses, Error> {
-        let Screened {
-            network, solution, ..
-        } = &self.screened;
+        let (network, solution) = (&self.screened.network, &self.screened.solution);
         let moved = self.moved();
         let scale = self.scale.as_ref();
         let value = self.scale_value();
@@ -189,11 +187,11 @@ impl<'a> LengthsAdjustment<'a> {
         };
         // What only the instrument's part needs is the largest, and gone before the rest is made.
         let of_lengths = solution.length_noise(network);
-        let sources = SharedSources::of_lengths(&of_lengths, solution, scale);
+        let sources = SharedSources::new(&of_lengths, None, solution, scale);
         let instrument = noise_of(&of_lengths, sources);
         drop(of_lengths);
         let whole = solution.noise();
-        let sources = SharedSources::whole(&whole, (network, solution), scale);
+        let sources = SharedSources::new(&whole, Some(network), solution, scale);
         Ok(Poses {
             observations: moved.iter().map(observation).collect::<Result<_, _>>()?,
             bodies: bodies.collect(),
@@ -237,14 +235,12 @@ impl<'a> LengthsAdjustment<'a> {
     /// an adjustment with rigid stages follow from its solution in an iteration or two; they come without the
     /// instrument's own part of the noise.
     pub(crate) fn points(&self) -> Result<MeasuredPoints, Error> {
-        let Screened {
-            network, solution, ..
-        } = &self.screened;
+        let (network, solution) = (&self.screened.network, &self.screened.solution);
         if network.bodies.is_none() {
             let scale = self.scale.as_ref();
             let mut points = self.measured_points((network, solution), scale);
             let of_lengths = solution.length_noise(network);
-            let sources = SharedSources::of_lengths(&of_lengths, solution, scale);
+            let sources = SharedSources::new(&of_lengths, None, solution, scale);
             points.instrument = self.point_noise(&of_lengths, sources, (network, solution));
             return Ok(points);
         }
@@ -273,7 +269,7 @@ impl<'a> LengthsAdjustment<'a> {
             }
         };
         let whole = solution.noise();
-        let sources = SharedSources::whole(&whole, (network, solution), scale);
+        let sources = SharedSources::new(&whole, Some(network), solution, scale);
         MeasuredPoints {
             groups: self.moved().into_iter().map(group).collect(),
             noise: self.point_noise(&whole, sources, (network, solution)),
@@ -328,9 +324,7 @@ impl<'a> LengthsAdjustment<'a> {
 
     /// Where the targets on the bed stand, mm, with their numbers.
     pub fn targets_on_bed(&self) -> Vec<(usize, Point3<f64>)> {
-        let Screened {
-            network, solution, ..
-        } = &self.screened;
+        let (network, solution) = (&self.screened.network, &self.screened.solution);
         let Some(bed) = network.bed else {
             return Vec::new();
         };

@@ -11,14 +11,14 @@
 
 use std::collections::HashMap;
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 use trueaxis_campaign::{
     Campaign, Direction, LengthReading, Lengths, LoggedColumn, LoggedQuantity, Stop,
 };
 use trueaxis_effects::TemperatureHistory;
 use trueaxis_effects::{Circumstances, Displaced, Medium, Scene, SceneTarget, SceneTemperature};
-use trueaxis_kinematics::Machine;
-use trueaxis_multilateration::{Network, Station};
+use trueaxis_kinematics::centroid;
+use trueaxis_multilateration::{Network, Solution};
 
 use crate::lengths::network::Group;
 
@@ -273,25 +273,21 @@ impl Observation<'_> {
 }
 
 impl LengthCircumstances {
-    /// The length at the adjusted places of points and stations; `positions` are those of its step, `temperatures`
-    /// the courses of those of the scene ([`temperature_histories`]).
+    /// The length at the adjusted places of points and stations; `temperatures` are the courses of those of the scene
+    /// ([`temperature_histories`]).
     pub fn observation<'a>(
         &self,
-        machine: &'a Machine,
-        positions: &'a [f64],
+        campaign: &'a Campaign,
         network: &Network,
-        stations: &[Station],
-        points_mm: &[Point3<f64>],
+        solution: &Solution,
         temperatures: &'a [TemperatureHistory],
     ) -> Observation<'a> {
-        let stop_mm = &points_mm[network.groups[self.group].clone()];
-        let sum: Vector3<f64> = stop_mm.iter().map(|p| p.coords).sum();
-        let point_mm = points_mm[self.point];
-        let beam = point_mm - stations[self.station].position_mm;
+        let point_mm = solution.points_mm[self.point];
+        let beam = point_mm - solution.stations[self.station].position_mm;
         let distance_mm = beam.norm();
         Observation {
             at: Circumstances {
-                machine,
+                machine: &campaign.machine,
                 time_s: self.time_s,
                 elapsed_s: self.elapsed_s,
                 progress: self.progress,
@@ -303,9 +299,9 @@ impl LengthCircumstances {
                 axis: self.axis,
                 direction: self.sign(),
                 speed_per_s: self.speed_per_s,
-                positions,
+                positions: &campaign.steps[self.step].positions,
                 point_mm,
-                centroid_mm: Point3::from(sum / stop_mm.len() as f64),
+                centroid_mm: centroid(&solution.points_mm[network.groups[self.group].clone()]),
                 distance_mm,
                 temperatures,
             },

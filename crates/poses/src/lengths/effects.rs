@@ -54,14 +54,9 @@ impl<'a> EffectsOnLengths<'a> {
     /// ([`scene_of`](crate::scene_of)).
     pub fn of(&self, effects: &[ResolvedEffect]) -> Vec<f64> {
         let of_length = |circumstances: &LengthCircumstances| {
-            let observation = circumstances.observation(
-                &self.campaign.machine,
-                &self.campaign.steps[circumstances.step].positions,
-                &self.network,
-                &self.solution.stations,
-                &self.solution.points_mm,
-                &self.temperatures,
-            );
+            let (network, solution) = (&self.network, &self.solution);
+            let observation =
+                circumstances.observation(self.campaign, network, solution, &self.temperatures);
             let displaced = effects
                 .iter()
                 .map(|effect| effect.displaced(&observation.at));

@@ -26,44 +26,22 @@ pub(crate) struct SharedSources<'s> {
 }
 
 impl<'s> SharedSources<'s> {
-    /// Those of the whole noise of a solution.
-    pub(crate) fn whole(
+    /// Those of the whole noise of a solution of this network; without the network those of the noise of lengths alone.
+    pub(crate) fn new(
         noise: &BlockNoise<'_>,
-        (network, solution): (&Network, &Solution),
-        scale: Option<&'s Scale>,
-    ) -> Self {
-        let declared = solution.known_noise(network);
-        let of_scale = scale.map_or([0.0; 2], |scale| {
-            [scale.of_noise + scale.declared, scale.declared]
-        });
-        Self::new(noise.shared(), declared, of_scale, solution, scale)
-    }
-
-    /// Those of the noise of lengths alone.
-    pub(crate) fn of_lengths(
-        noise: &BlockNoise<'_>,
+        network: Option<&Network>,
         solution: &Solution,
         scale: Option<&'s Scale>,
     ) -> Self {
-        let width = noise.shared().nrows();
-        let of_scale = scale.map_or(0.0, |scale| scale.of_noise);
-        Self::new(
-            noise.shared(),
-            DMatrix::zeros(width, width),
-            [of_scale, 0.0],
-            solution,
-            scale,
-        )
-    }
-
-    fn new(
-        shared: &DMatrix<f64>,
-        declared: DMatrix<f64>,
-        [of_scale, declared_of_scale]: [f64; 2],
-        solution: &Solution,
-        scale: Option<&'s Scale>,
-    ) -> Self {
+        let shared = noise.shared();
         let width = shared.nrows();
+        let none = || DMatrix::zeros(width, width);
+        let declared = network.map_or_else(none, |network| solution.known_noise(network));
+        let [of_scale, declared_of_scale] = match (scale, network) {
+            (Some(scale), Some(_)) => [scale.of_noise + scale.declared, scale.declared],
+            (Some(scale), None) => [scale.of_noise, 0.0],
+            (None, _) => [0.0; 2],
+        };
         let count = 4 * solution.stations.len();
         let mut stations = DMatrix::identity(count, width);
         if let Some(mean) = solution.mean_constant_column() {

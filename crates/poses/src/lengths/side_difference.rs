@@ -12,7 +12,6 @@ use nalgebra::{Matrix6, Point3, Vector3, Vector6};
 use trueaxis_campaign::Direction;
 use trueaxis_leastsquares::chi_squared_upper_tail;
 use trueaxis_multilateration::{Visit, Whitened};
-use trueaxis_screening::Screened;
 
 use crate::lengths::LengthsAdjustment;
 use crate::settings::Method;
@@ -89,14 +88,9 @@ impl LengthsAdjustment<'_> {
 
     /// The used lengths in measuring order.
     fn sides(&self) -> Vec<Side> {
-        let Screened {
-            network,
-            solution,
-            kept,
-            ..
-        } = &self.screened;
+        let (network, solution) = (&self.screened.network, &self.screened.solution);
         let side = |visit: &Visit, reading: usize| {
-            let stop = stop_of(self.lengths, kept[reading]);
+            let stop = stop_of(self.lengths, self.screened.kept[reading]);
             let point = network.groups[visit.group].start + network.readings[reading].point;
             let point_mm = solution.points_mm[point];
             let beam = point_mm - solution.stations[visit.station].position_mm;

@@ -33,22 +33,17 @@ impl FactoredCovariance {
     /// # Errors
     /// Those of `out`.
     pub fn write_npz(&self, out: &mut dyn WriteSeek, per_unit: &[f64]) -> io::Result<()> {
-        let Self {
-            own,
-            sensitivities,
-            shared,
-        } = self;
-        let (rows, columns) = sensitivities.shape();
-        let blocks = own.iter().zip(per_unit.chunks_exact(6));
+        let (rows, columns) = self.sensitivities.shape();
+        let blocks = self.own.iter().zip(per_unit.chunks_exact(6));
         let blocks = blocks.map(|(own, factors)| scaled(own, factors).data.0);
-        let elements = sensitivities.elements().enumerate();
+        let elements = self.sensitivities.elements().enumerate();
         let mut npz = NpzWriter::new(out);
         // Symmetric: columns are rows.
         let blocks = blocks.flatten().flatten();
-        npz.array(OWN, &[own.len(), 6, 6], blocks)?;
+        npz.array(OWN, &[self.own.len(), 6, 6], blocks)?;
         let elements = elements.map(|(i, x)| x * per_unit[i / columns]);
         npz.array(SENSITIVITIES, &[rows, columns], elements)?;
-        npz.array(SHARED, &[columns, columns], shared.iter().copied())?;
+        npz.array(SHARED, &[columns, columns], self.shared.iter().copied())?;
         npz.finish().map(drop)
     }
 

@@ -49,7 +49,7 @@ impl Table {
         of(self) == of(other)
     }
 
-    fn max(&self) -> f64 {
+    pub(crate) fn max(&self) -> f64 {
         self.min + self.step * (self.values.len() - 1) as f64
     }
 
