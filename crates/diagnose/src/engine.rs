@@ -16,7 +16,7 @@
 //!
 //! - [`hypotheses`]: every effect of a level on every subject becomes whitened columns, with a list of shapes or all
 //!   instants at once.
-//! - [`ranking`]: all of them against what a model leaves by the numbers of [`crate::selection`]; the best and its
+//! - [`ranking`]: all of them against what a model leaves by the numbers of [`trueaxis_selection`]; the best and its
 //!   rivals.
 //! - [`between`]: a shape between two of a list.
 //! - [`search`]: lengths and points. One cause joins after the other; each is judged beside the others, gives way to a

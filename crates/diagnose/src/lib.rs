@@ -56,5 +56,3 @@ pub use fitted::{Against, Fitted, FittedPoint};
 pub use points::without_wrong_points;
 pub use settings::Settings;
 pub use shares::Shares;
-
-use trueaxis_selection as selection;

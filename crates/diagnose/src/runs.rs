@@ -16,6 +16,7 @@ use trueaxis_campaign::Campaign;
 use trueaxis_effects::{Level, ResolvedEffect, Scene};
 use trueaxis_leastsquares::chi_squared_upper_tail;
 use trueaxis_poses::EffectsOnLengths;
+use trueaxis_selection::{Projection, f_test};
 
 use crate::engine::{Judged, Listed};
 pub(crate) use crate::runs::contradicting::contradicting_runs;
@@ -23,7 +24,6 @@ use crate::runs::fitted::fitted;
 use crate::runs::hypotheses::{candidates, not_observable};
 use crate::runs::search::{rivals, search};
 use crate::said::{Entry, Said};
-use crate::selection::{Projection, f_test};
 use crate::shares::Part;
 use crate::{Cause, Error, LevelReport, Misfit, OmnibusTest, Settings, Shares, Unexplained};
 

@@ -14,9 +14,9 @@
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
+use trueaxis_selection::Projection;
 
 use crate::json::rounded;
-use crate::selection::Projection;
 
 /// The parts of a misfit.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]

@@ -60,4 +60,3 @@ pub use rivals::{ALIKE, DECISIVE, Fit, cosine, is_rival};
 pub use scan::{Hypothesis, OfOne, OfSeveral, Scan, Tried};
 pub use score::{EQUAL, Score, best_shape, by_evidence, mean_evidence, rank};
 pub use step_scan::{StepScan, VisitTimes};
-pub use trueaxis_leastsquares::dot;

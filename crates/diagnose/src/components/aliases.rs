@@ -10,13 +10,13 @@
 use std::f64::consts::TAU;
 
 use trueaxis_effects::Shape;
+use trueaxis_selection::{DECISIVE, add};
 
 use crate::Rival;
 use crate::components::candidates::{Candidate, measured_most};
 use crate::components::curve_set::{CurveSet, Thinned};
 use crate::components::estimate::{Estimate, estimate};
 use crate::components::search::SetSearch;
-use crate::selection::{DECISIVE, add};
 
 /// Waves of a turn are whole, to this.
 const WHOLE: f64 = 1e-6;

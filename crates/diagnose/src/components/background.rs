@@ -25,11 +25,11 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
 use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::median;
+use trueaxis_selection::{Projection, lengths_beside_earlier};
 
 use crate::components::curve_set::CurveSet;
 use crate::components::smooth_prior::SmoothPrior;
 use crate::extremes::extremes;
-use crate::selection::{Projection, lengths_beside_earlier};
 
 /// One size of the rest, and the curves whitened with it.
 #[derive(Debug, Clone)]

@@ -8,6 +8,7 @@
 
 use nalgebra::DMatrix;
 use trueaxis_effects::{Scene, Subject, effect};
+use trueaxis_selection::Score;
 
 use crate::cause::{Cause, EstimatedParameter};
 use crate::components::candidates::Candidate;
@@ -17,7 +18,6 @@ use crate::components::judgement::Judgement;
 use crate::components::ln_chi_squared::ln_chi_squared;
 use crate::components::report;
 use crate::components::search::{Found, SetSearch};
-use crate::selection::Score;
 
 /// Its effect.
 pub(crate) const BOW: &str = "guideway_bow";

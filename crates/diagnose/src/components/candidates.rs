@@ -18,9 +18,9 @@ use std::f64::consts::TAU;
 
 use trueaxis_effects::{Effect, Scene, Subject, effect};
 use trueaxis_kinematics::AxisKind;
+use trueaxis_selection::Hypothesis;
 
 use crate::components::curve_set::CurveSet;
-use crate::selection::Hypothesis;
 
 /// An effect on a set of curves, with all shapes that it may have.
 #[derive(Debug, Clone)]

@@ -17,10 +17,10 @@ use trueaxis_effects::AxisPosition;
 use trueaxis_kinematics::{Axis, AxisKind, Component, Machine, MotionError};
 use trueaxis_leastsquares::median;
 use trueaxis_predict::Unit;
+use trueaxis_selection::{Hypothesis, Projection};
 
 use crate::components::candidates::Candidate;
 use crate::extremes::extremes;
-use crate::selection::{Hypothesis, Projection};
 
 /// Curves that are judged together.
 #[derive(Debug, Clone)]

@@ -12,6 +12,8 @@
 //! each other. So are the waves a turn of which only a small part was measured, rounded at the end.
 
 use nalgebra::{DMatrix, DVector};
+use trueaxis_leastsquares::dot;
+use trueaxis_selection::{combined, gram_of};
 
 use crate::components::background::Background;
 use crate::components::candidates::{
@@ -20,7 +22,6 @@ use crate::components::candidates::{
 use crate::components::curve_set::CurveSet;
 use crate::components::judgement::ln_sum;
 use crate::engine::derivative;
-use crate::selection::{combined, dot, gram_of};
 use trueaxis_effects::Shape;
 
 /// An effect with its values.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::selection::Null;
+use trueaxis_selection::Null;
 
 /// What is tested of each effect, on the whole machine.
 #[derive(Debug, Clone, Default)]

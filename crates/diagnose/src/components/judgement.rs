@@ -13,12 +13,12 @@
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
+use trueaxis_selection::{FixedScan, Gram, Scan, Score};
 
 use crate::components::background::Background;
 use crate::components::candidates::Candidate;
 use crate::components::curve_set::CurveSet;
 use crate::components::ln_chi_squared::ln_chi_squared;
-use crate::selection::{FixedScan, Gram, Scan, Score};
 
 /// A candidate in front of every size of the rest.
 pub(crate) struct Judgement {

@@ -3,6 +3,7 @@
 use nalgebra::DVector;
 use trueaxis_effects::{Level, Scene, Shape};
 use trueaxis_kinematics::{ARCSEC, MICROMETRE};
+use trueaxis_selection::Fit;
 
 use crate::cause::{Cause, EstimatedParameter};
 use crate::components::candidates::is_shortest;
@@ -10,7 +11,6 @@ use crate::components::curve_set::CurveSet;
 use crate::components::search::Found;
 use crate::engine::with_uncertainties;
 use crate::fitted::{Fitted, Row};
-use crate::selection::Fit;
 
 /// Lever at which angles count in an rms of displacements, mm: the size of a workpiece.
 const LEVER_MM: f64 = 100.0;

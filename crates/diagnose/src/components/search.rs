@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 use trueaxis_effects::Scene;
 use trueaxis_kinematics::AxisKind;
+use trueaxis_selection::{Fit, Null, Scan, Score, by_evidence, cosine, is_rival};
 
 use crate::cause::{Cause, Rival};
 use crate::components::background::{Background, Smooth, backgrounds, smooth_rests};
@@ -14,7 +15,6 @@ use crate::components::family::{Family, LEVEL};
 use crate::components::judgement::{Judgement, scan};
 use crate::components::report;
 use crate::components::smooth_prior::{SmoothLikelihood, SmoothPrior};
-use crate::selection::{Fit, Null, Scan, Score, by_evidence, cosine, is_rival};
 
 /// The search over all curves of a machine.
 pub(crate) struct Search<'a> {

@@ -78,9 +78,9 @@ impl Basis {
 mod tests {
     use nalgebra::DMatrix;
     use trueaxis_leastsquares::dense::solve;
+    use trueaxis_leastsquares::dot;
 
     use super::*;
-    use crate::selection::dot;
 
     /// Mean over the range by the midpoint rule, wrong by `(kπ/n)²/24`.
     #[test]

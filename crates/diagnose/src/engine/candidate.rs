@@ -3,10 +3,11 @@
 use std::borrow::Cow;
 
 use trueaxis_effects::ResolvedEffect;
+use trueaxis_leastsquares::dot;
+use trueaxis_selection::{Fit, FixedScan, Hypothesis, Projection, Scan, middle, rank};
 
 use crate::engine::between::{golden_section, neighbours};
 use crate::engine::derivative;
-use crate::selection::{Fit, FixedScan, Hypothesis, Projection, Scan, dot, middle, rank};
 
 /// An effect on a subject with the columns of all its shapes.
 pub(crate) struct Candidate<'a> {

@@ -12,6 +12,7 @@
 //! geometry or the drive of an axis changes with time: no basis of low degree is quite what a machine does that warms up.
 
 use trueaxis_effects::Layer;
+use trueaxis_selection::{DECISIVE, Hypothesis, Null, rank};
 
 use crate::Error;
 use crate::engine::disturbance::{Wanderer, Who, With};
@@ -23,7 +24,6 @@ use crate::engine::{
     Culprit, Culprits, Found, Omnibus, SHAPE_ERROR, Search, Suspect, find_causes, scan, scans,
     settle,
 };
-use crate::selection::{DECISIVE, Hypothesis, Null, rank};
 
 /// Without causes and with omnibus tests above this nothing wanders that would be significant.
 const WORTH_A_LOOK: f64 = 0.05;

@@ -5,10 +5,10 @@
 //! uncertainty.
 
 use trueaxis_effects::{Parameter, ResolvedEffect, Scene, Shape, shape_parameter};
+use trueaxis_selection::{Fit, Hypothesis};
 
 use crate::engine::wandered::whose;
 use crate::engine::{Found, Measured, Suspect, duration_s};
-use crate::selection::{Fit, Hypothesis};
 use crate::{Cause, EstimatedParameter, Fitted, Gain, Rival};
 
 /// Of parameters, relative to the largest of an effect.

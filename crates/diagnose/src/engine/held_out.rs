@@ -6,9 +6,9 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use trueaxis_selection::Projection;
 
 use crate::engine::{Measured, Suspect, scan};
-use crate::selection::Projection;
 use crate::{Gain, HeldOutRatio};
 
 /// Held-out rms without and with the causes in standard deviations of the noise, and the interval of
@@ -96,7 +96,7 @@ pub(crate) fn resampled_ratios(blocks: &[[f64; 2]], draws: usize, seed: u64) -> 
 
 /// The same causes with shapes and parameters from other data, of which `plain` is a model without causes, and what these
 /// leave with them; directions of the parameters that these hardly show are shrunk
-/// ([`crate::selection::Gram::shrunk`]). A cause that they do not show stays out.
+/// ([`trueaxis_selection::Gram::shrunk`]). A cause that they do not show stays out.
 pub(crate) fn sought_again<D: Measured>(
     data: &D,
     plain: &D::Model,

@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 use trueaxis_campaign::Campaign;
 use trueaxis_effects::{Effect, Scene, Shape, Subject, catalogue};
+use trueaxis_selection::{FixedScan, Hypothesis, Projection, Scan, StepScan, VisitTimes};
 
 use crate::engine::Measured;
-use crate::selection::{FixedScan, Hypothesis, Projection, Scan, StepScan, VisitTimes};
 
 /// Hypotheses that the data can show, and those that they cannot.
 pub(crate) struct Hypotheses {

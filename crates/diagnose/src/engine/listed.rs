@@ -8,12 +8,13 @@ use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use trueaxis_effects::{Level, Scene};
+use trueaxis_leastsquares::dot;
+use trueaxis_selection::{
+    Fit, FixedScan, Hypothesis, Null, Projection, Scan, Score, best_shape, rank,
+};
 
 use crate::engine::estimated::beside_shape;
 use crate::engine::{Candidate, with_uncertainties};
-use crate::selection::{
-    Fit, FixedScan, Hypothesis, Null, Projection, Scan, Score, best_shape, dot, rank,
-};
 use crate::{Cause, Rival};
 
 /// A hypothesis in the model, at one shape.

@@ -1,11 +1,11 @@
 //! What differs between kinds of data, and what is found in all of them.
 
 use trueaxis_effects::{ResolvedEffect, Scene, Shape};
+use trueaxis_selection::{Fit, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
 use crate::Error;
 use crate::engine::Culprit;
 use crate::engine::disturbance::Wanderer;
-use crate::selection::{Fit, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
 /// Data of one kind with their base model.
 pub(crate) trait Measured: Sync {

@@ -8,9 +8,9 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 use trueaxis_effects::Level;
-use trueaxis_leastsquares::half_waves;
+use trueaxis_leastsquares::{dot, half_waves};
+use trueaxis_selection::{Fit, Projection, f_test, gram_of};
 
-use crate::selection::{Fit, Projection, dot, f_test, gram_of};
 use crate::{OmnibusTest, Unexplained};
 
 /// Family-wise level of the omnibus tests of lengths or points: with that of the causes, 0.7 % of clean campaigns of

@@ -3,7 +3,7 @@
 //! Lost motion, and an offset of the time stamps at an almost even feed, do nearly the same to readings: against each other they can be
 //! as large as they like, for what little the feed varies.
 
-use crate::selection::{Fit, Projection, combined, gram_matrix};
+use trueaxis_selection::{Fit, Projection, combined, gram_matrix};
 
 /// What one cause does against what all do together, in squares.
 const OPPOSED: f64 = 25.0;

@@ -1,9 +1,9 @@
 //! Hypotheses against what a model leaves, the one with the most evidence first.
 
 use trueaxis_effects::Scene;
+use trueaxis_selection::{EQUAL, Fit, Hypothesis, Null, Projection, Scan, Score, cosine, rank};
 
 use crate::engine::{Measured, Suspect, scans};
-use crate::selection::{EQUAL, Fit, Hypothesis, Null, Projection, Scan, Score, cosine, rank};
 
 /// The hypotheses that are physically possible, by rank.
 pub(crate) struct Ranking<'m, S> {

@@ -9,12 +9,12 @@
 //!    ([`Culprits`]) or no more than the shape of an earlier one.
 
 use trueaxis_effects::Shape;
+use trueaxis_selection::{DECISIVE, EQUAL, Fit, Hypothesis, Null, Scan, combined};
 
 use crate::Error;
 use crate::engine::between::{golden_section, neighbours};
 use crate::engine::opposed::are_opposed;
 use crate::engine::{Culprits, Found, Measured, Ranking, Suspect};
-use crate::selection::{DECISIVE, EQUAL, Fit, Hypothesis, Null, Scan, combined};
 
 /// The causes, the model with them, and what a further cause would explain that is not one of its own.
 pub(crate) struct Search<M> {

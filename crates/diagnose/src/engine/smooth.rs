@@ -4,9 +4,8 @@
 //! Its p-value is that of the restricted likelihood ratio at the border `w = 0`, `½ P(χ²₁ > LR)`, which is on the safe
 //! side (Crainiceanu and Ruppert 2004).
 
-use trueaxis_leastsquares::chi_squared_upper_tail;
-
-use crate::selection::{Projection, dot, gram_matrix, mean_evidence, restricted_likelihood};
+use trueaxis_leastsquares::{chi_squared_upper_tail, dot};
+use trueaxis_selection::{Projection, gram_matrix, mean_evidence, restricted_likelihood};
 
 /// Family-wise level of all that may wander in a set of data.
 pub(crate) const SMOOTH_LEVEL: f64 = 0.002;

@@ -2,10 +2,10 @@
 
 use trueaxis_campaign::Campaign;
 use trueaxis_effects::{Effect, Level, Scene, Subject, effect};
+use trueaxis_selection::Hypothesis;
 
 use crate::NotObservable;
 use crate::engine::{is_tested, of_catalogue};
-use crate::selection::Hypothesis;
 
 /// An effect that the data cannot show, with what it does to one result for a unit of it; what to measure is what tells
 /// it from its rivals.

@@ -4,13 +4,14 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use trueaxis_effects::{Level, Subject};
 use trueaxis_kinematics::{Axis, AxisKind};
+use trueaxis_leastsquares::dot;
+use trueaxis_selection::combined;
 
 use crate::engine::Posterior;
 use crate::engine::coordinate::{self, Coordinate, Shown};
 use crate::engine::disturbance::{Here, Wanderer, Who, With};
 use crate::engine::wandering::{JudgedDisturbance, Wanders, units_um, whitened_columns};
 use crate::extremes::extremes;
-use crate::selection::{combined, dot};
 use crate::{CorrelationLength, CurvePoint, Disturbance, Gain, Wandering};
 
 /// Points of a curve, all occupations together.

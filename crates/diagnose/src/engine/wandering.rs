@@ -5,13 +5,14 @@
 
 use rayon::prelude::*;
 use trueaxis_effects::{Displaced, Subject};
+use trueaxis_leastsquares::dot;
+use trueaxis_selection::{DECISIVE, Projection, by_evidence};
 
 use crate::Error;
 use crate::engine::coordinate::Coordinate;
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, With};
 use crate::engine::smooth::{SMOOTH_LEVEL, Smooth, beside_one_of};
 use crate::engine::{Measured, Suspect};
-use crate::selection::{DECISIVE, Projection, by_evidence, dot};
 
 /// Data beside which something may wander.
 pub(crate) trait Wanders: Measured + Clone + Send {

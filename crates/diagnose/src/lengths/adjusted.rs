@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use trueaxis_leastsquares::dot;
 use trueaxis_multilateration::{Network, Solution, Whitened};
+use trueaxis_selection::{Fit, Projection};
 
 use crate::engine::Suspect;
-use crate::selection::{Fit, Projection, dot};
 
 /// An adjusted model.
 pub(crate) struct Adjusted {

@@ -10,6 +10,7 @@ use trueaxis_poses::{
     length_circumstances, network_from_campaign, scene_of, temperature_histories,
 };
 use trueaxis_screening::{Removed, estimate_noise};
+use trueaxis_selection::{Fit, Hypothesis};
 
 use crate::Error;
 use crate::engine::disturbance::Disturbance;
@@ -19,7 +20,6 @@ use crate::lengths::adjusted::Adjusted;
 
 use crate::lengths::left_out::LeftOut;
 use crate::lengths::weighed::weigh_stations;
-use crate::selection::{Fit, Hypothesis};
 
 /// The lengths of a campaign, ready to be adjusted.
 #[derive(Clone)]

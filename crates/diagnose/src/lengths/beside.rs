@@ -6,6 +6,7 @@ use trueaxis_effects::{Displaced, Subject};
 use trueaxis_kinematics::{Axis, AxisKind};
 use trueaxis_multilateration::{Noise, Solution, Whitened, solve_from};
 use trueaxis_poses::{LengthCircumstances as Reading, Observation};
+use trueaxis_selection::Projection;
 
 use crate::Error;
 use crate::engine::coordinate::{self, Coordinate};
@@ -14,7 +15,6 @@ use crate::engine::{Suspect, Wanders};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::omnibus::travelled;
-use crate::selection::Projection;
 
 impl Wanders for Base<'_> {
     type Noise = Noise;

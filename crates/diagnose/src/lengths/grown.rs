@@ -4,12 +4,13 @@
 //! rest is absorbed by where the station stands. Over time it is not, but hardly anything else differs. Targets on the bed tell
 //! them apart, since they stay.
 
+use trueaxis_selection::{DECISIVE, Fit, Hypothesis};
+
 use crate::Error;
 use crate::engine::Found;
 use crate::engine::disturbance::{Wanderer, Who, With};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
-use crate::selection::{DECISIVE, Fit, Hypothesis};
 
 /// Effects that scale the lengths.
 const SCALES: [&str; 2] = ["station_scale", "refraction_drift"];

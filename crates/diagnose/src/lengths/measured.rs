@@ -1,13 +1,13 @@
 //! What the lengths are to the search for causes.
 
 use trueaxis_effects::{Layer, Scene, Shape};
+use trueaxis_selection::{DECISIVE, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
 use crate::Error;
 use crate::engine::{Culprit, Measured, Suspect, duration_s, in_equal_ratios};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::swapped::swapped;
-use crate::selection::{DECISIVE, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
 /// Time constants that are tried, from a hundredth of the campaign, or of the longest occupation of a station, to
 /// twice its length in equal ratios.

@@ -2,10 +2,10 @@
 
 use trueaxis_effects::{Effect, Level, Medium, Scene, catalogue, effect};
 use trueaxis_kinematics::AxisKind;
+use trueaxis_selection::Hypothesis;
 
 use crate::NotObservable;
 use crate::engine::{length_scale, unseen, without_trace};
-use crate::selection::Hypothesis;
 
 /// What no data of this kind show, and what these data have no trace of.
 pub(crate) fn not_observable(

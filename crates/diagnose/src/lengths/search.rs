@@ -4,6 +4,7 @@ use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::{Level, Subject};
 use trueaxis_poses::{LengthsAdjustment, network_from_campaign};
 use trueaxis_screening::Removed;
+use trueaxis_selection::{Hypothesis, Null};
 
 use crate::engine::{
     Candidates, Found, HeldOut, Omnibus, Search, Suspect, Wanders, add_rival_disturbances, cause,
@@ -23,7 +24,6 @@ use crate::lengths::omnibus::omnibus;
 use crate::lengths::places::places;
 use crate::lengths::shifted::add_jumps;
 use crate::said::{Entry, Said};
-use crate::selection::{Hypothesis, Null};
 use crate::shares::Part;
 use crate::{Error, Gain, LevelReport, Misfit, NotObservable, Shares};
 

@@ -4,12 +4,12 @@
 //! the bed, which stay, tell them apart.
 
 use trueaxis_effects::{Subject, effect};
+use trueaxis_selection::{DECISIVE, Fit, Hypothesis};
 
 use crate::Error;
 use crate::engine::{Found, Suspect};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
-use crate::selection::{DECISIVE, Fit, Hypothesis};
 
 /// Adds to a shift of the machine the jump of a tripod at the same instant that explains nearly as much, if there is one.
 pub(crate) fn add_jumps(

@@ -5,10 +5,10 @@
 //! a time does not find.
 
 use trueaxis_effects::effect;
+use trueaxis_selection::Hypothesis;
 
 use crate::engine::Suspect;
 use crate::lengths::base::Base;
-use crate::selection::Hypothesis;
 
 /// What moves the tripod, and what does the same to the dead path.
 const KIN: [[&str; 2]; 2] = [

@@ -12,12 +12,12 @@ use nalgebra::{Isometry3, Matrix3, Matrix3x6, Point3, SymmetricEigen, Translatio
 use trueaxis_campaign::{Campaign, Points};
 use trueaxis_effects::{Circumstances, Displaced, ResolvedEffect, Scene};
 use trueaxis_kinematics::{Ideal, best_fit};
+use trueaxis_selection::Hypothesis;
 
 use crate::engine::disturbance::Disturbance;
 use crate::points::model::Model;
 use crate::points::noise::Noise;
 use crate::points::readings::{Reading, Readings};
-use crate::selection::Hypothesis;
 
 /// The points of a campaign about one adjustment.
 #[derive(Clone)]

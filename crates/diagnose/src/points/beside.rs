@@ -2,6 +2,7 @@
 
 use trueaxis_effects::{Displaced, Subject};
 use trueaxis_kinematics::AxisKind;
+use trueaxis_selection::Projection;
 
 use crate::Error;
 use crate::engine::coordinate::{self, Coordinate};
@@ -12,7 +13,6 @@ use crate::points::model::Model;
 use crate::points::noise::Noise;
 use crate::points::omnibus::{range, travelled};
 use crate::points::readings::Reading;
-use crate::selection::Projection;
 
 impl Wanders for Base<'_> {
     type Noise = Noise;

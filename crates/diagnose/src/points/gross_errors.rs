@@ -13,13 +13,13 @@
 
 use nalgebra::Vector3;
 use trueaxis_campaign::Points;
+use trueaxis_selection::{Gram, ln_f_test};
 
 use crate::Rejected;
 use crate::engine::most;
 use crate::points::base::Base;
 use crate::points::model::{Model, left_of};
 use crate::points::readings::Reading;
-use crate::selection::{Gram, ln_f_test};
 
 /// Probability of leaving out anything of points that are in order.
 const LEVEL: f64 = 1e-4;

@@ -1,12 +1,12 @@
 //! What the points are to the search for causes.
 
 use trueaxis_effects::{Scene, Shape};
+use trueaxis_selection::{ALIKE, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
 use crate::Error;
 use crate::engine::{Culprit, Measured, Suspect, in_equal_ratios};
 use crate::points::base::Base;
 use crate::points::model::Model;
-use crate::selection::{ALIKE, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
 /// Time constants that are tried, from a hundredth of the campaign, and no less than three stops, to three times its
 /// length in equal ratios.
@@ -18,7 +18,7 @@ const LEAST_STOPS: f64 = 3.0;
 impl Measured for Base<'_> {
     type Model = Model;
 
-    /// With that of the omnibus tests, and since [`Null`](crate::selection::Null) takes scans over instants for rarer
+    /// With that of the omnibus tests, and since [`Null`](trueaxis_selection::Null) takes scans over instants for rarer
     /// than they are by a factor of about two, one of 150 clean campaigns alarms.
     const CAUSE_LEVEL: f64 = 0.002;
     const MOST_CAUSES: usize = 4;

@@ -6,12 +6,12 @@
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, SymmetricEigen};
+use trueaxis_selection::{Fit, Projection};
 
 use crate::engine::{Suspect, Wanders};
 use crate::points::base::{Base, of_pose};
 use crate::points::noise::Noise;
 use crate::points::readings::Reading;
-use crate::selection::{Fit, Projection};
 
 /// An adjusted model.
 pub(crate) struct Model {

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use trueaxis_campaign::{Campaign, Points};
 use trueaxis_effects::{Level, ResolvedEffect, Scene};
+use trueaxis_selection::{Fit, Hypothesis, Null};
 
 use crate::engine::{
     Candidates, Competed, Found, HeldOut, Measured, OMNIBUS_LEVEL, Omnibus, Search, Suspect,
@@ -20,7 +21,6 @@ use crate::points::omnibus::{families, omnibus};
 use crate::points::places::places;
 use crate::points::screened::{Screened, without};
 use crate::said::{Entry, Said};
-use crate::selection::{Fit, Hypothesis, Null};
 use crate::shares::Part;
 use crate::{Error, LevelReport, Misfit, Shares};
 

@@ -4,10 +4,10 @@ use trueaxis_calibrate::{ComparedPose, RunComparison};
 use trueaxis_effects::Scene;
 use trueaxis_kinematics::{ARCSEC, Component, MICROMETRE};
 use trueaxis_leastsquares::dot;
+use trueaxis_selection::Projection;
 
 use crate::engine::Judged;
 use crate::fitted::{Fitted, Row};
-use crate::selection::Projection;
 
 /// Of one run: the three displacements or the three rotations of its poses, whichever vary more along the axis, less
 /// what the runs have in common and what each has for itself.

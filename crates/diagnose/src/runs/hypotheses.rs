@@ -4,10 +4,10 @@ use trueaxis_calibrate::{Replay, RunComparison};
 use trueaxis_effects::{Level, Scene, effect};
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_poses::EffectsOnLengths;
+use trueaxis_selection::{Hypothesis, gram_of};
 
 use crate::NotObservable;
 use crate::engine::{Candidate, Listed, in_words, of_catalogue, plausible, unseen};
-use crate::selection::{Hypothesis, gram_of};
 
 /// Effects that give one axis another curve in another run. What else changes with time contradicts the lengths
 /// themselves.

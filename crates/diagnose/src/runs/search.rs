@@ -1,8 +1,9 @@
 //! Which hypotheses explain why runs differ.
 
+use trueaxis_selection::{DECISIVE, Projection, Score, cosine, is_rival};
+
 use crate::Rival;
 use crate::engine::{Chosen, Judged, Listed};
-use crate::selection::{DECISIVE, Projection, Score, cosine, is_rival};
 
 /// Causes at most: more are no longer an explanation.
 const MOST_CAUSES: usize = 3;

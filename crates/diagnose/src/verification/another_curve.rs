@@ -5,9 +5,9 @@
 //! position takes is none of it: the axis may have grown meanwhile.
 
 use trueaxis_effects::{Level, Shape};
+use trueaxis_selection::{Fit, Projection};
 
 use crate::engine::{Chosen, Family, Omnibus};
-use crate::selection::{Fit, Projection};
 use crate::verification::base::{indicators, places, times};
 use crate::verification::problem::Problem;
 use crate::verification::report::rms_of_readings_um;

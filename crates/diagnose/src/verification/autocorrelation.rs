@@ -12,8 +12,9 @@
 //! taken to have such noise if ρ is significant there, or possible where something was found, and if with it the causes and what wanders have together more evidence than
 //! without: what really wanders, or repeats, is explained better as such.
 
+use trueaxis_selection::{Projection, lengths_beside_earlier};
+
 use crate::engine::golden_section;
-use crate::selection::{Projection, lengths_beside_earlier};
 use crate::verification::base::{cells, indicators};
 use crate::verification::model::{evidence, is_left};
 use crate::verification::noise_floor::pass_columns;

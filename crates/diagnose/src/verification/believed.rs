@@ -1,8 +1,9 @@
 //! Which causes are claimed: those that help on unused readings, and that do not merely imitate what
 //! nothing explains.
 
+use trueaxis_selection::Fit;
+
 use crate::engine::{Chosen, Omnibus, is_imitation, still_left};
-use crate::selection::Fit;
 use crate::verification::held_out::gain_of;
 use crate::verification::omnibus::omnibus;
 use crate::verification::problem::Problem;

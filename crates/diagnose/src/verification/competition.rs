@@ -4,8 +4,9 @@
 //! begins with what wanders; a third has nothing else. The one with the most evidence is taken: each further name costs
 //! [`DECISIVE`], and what can be anything twice that.
 
+use trueaxis_selection::{DECISIVE, Score};
+
 use crate::engine::{Chosen, FURTHER_LEVEL};
-use crate::selection::{DECISIVE, Score};
 use crate::verification::believed::{with_gain, without_imitations};
 use crate::verification::described::described;
 use crate::verification::held_out::{gain, held_out};

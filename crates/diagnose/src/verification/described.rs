@@ -1,9 +1,10 @@
 //! Whether causes describe how what they name goes, where something wanders beside them.
 
 use trueaxis_effects::Shape;
+use trueaxis_leastsquares::dot;
+use trueaxis_selection::combined;
 
 use crate::engine::without;
-use crate::selection::{combined, dot};
 use crate::verification::model::{Model, only};
 use crate::verification::problem::Problem;
 use crate::verification::search::drop_superfluous;

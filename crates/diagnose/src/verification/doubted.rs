@@ -5,11 +5,11 @@
 //! leaves sizes of the same median ([`sigma_um`]).
 
 use trueaxis_effects::Level;
+use trueaxis_selection::Projection;
 
 use crate::Unexplained;
 use crate::engine::{first_lines, most};
 use crate::extremes::extremes;
-use crate::selection::Projection;
 use crate::verification::base::{cells, count, less_location, passes, sizes};
 use crate::verification::comparison::Comparison;
 use crate::verification::gross_errors::{MOST, MOST_IN_A_ROW};

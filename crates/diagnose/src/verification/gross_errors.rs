@@ -17,9 +17,10 @@
 
 use nalgebra::{DMatrix, DVector};
 use trueaxis_campaign::Verification;
+use trueaxis_leastsquares::dot;
+use trueaxis_selection::{Projection, ln_f_test};
 
 use crate::engine::most;
-use crate::selection::{Projection, dot, ln_f_test};
 use crate::verification::base::{cells, passes, sizes};
 use crate::verification::comparison::Comparison;
 use crate::verification::doubted::{far_off, mistakes};

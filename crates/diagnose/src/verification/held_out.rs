@@ -13,9 +13,10 @@
 //! The interval of a ratio of rms is that of a bootstrap over these blocks, which keeps what neighbours
 //! have in common. Whole passes would be too few: an effect of one pass is in one draw in three not there.
 
+use trueaxis_selection::Projection;
+
 use crate::Gain;
 use crate::engine::{Candidate, Chosen, FOLDS, resampled_ratios, without};
-use crate::selection::Projection;
 use crate::verification::arrivals::is_same;
 use crate::verification::base::count;
 use crate::verification::comparison::Comparison;

@@ -6,9 +6,9 @@ use trueaxis_campaign::VerificationKind;
 use trueaxis_effects::{Level, Scene, Shape, Subject, catalogue};
 use trueaxis_kinematics::{AxisKind, Component};
 use trueaxis_leastsquares::median;
+use trueaxis_selection::{Hypothesis, middle};
 
 use crate::engine::{Candidate, Finer, in_equal_ratios, plausible};
-use crate::selection::{Hypothesis, middle};
 use crate::verification::arrivals::Arrival;
 use crate::verification::comparison::{COUPLING, Comparison, TIMESTAMP_OFFSET};
 use crate::verification::lost_motion;

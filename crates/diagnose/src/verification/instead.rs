@@ -1,8 +1,9 @@
 //! What explains as much in another form: on a circle away from where the axes were parked a coupling is nearly squareness and scale, and
 //! beside what goes with time lost motion that changes along the axis is nearly a constant one beside something else that does.
 
+use trueaxis_selection::{DECISIVE, Score};
+
 use crate::engine::{Candidate, Chosen, without};
-use crate::selection::{DECISIVE, Score};
 use crate::verification::lost_motion::{CONSTANT, EFFECT};
 use crate::verification::model::{Model, evidence, has, is_coupling, is_left, of_causes};
 use crate::verification::problem::Problem;

@@ -11,8 +11,7 @@
 //! have none.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-
-use crate::selection::Projection;
+use trueaxis_selection::Projection;
 
 /// Part of an unknown that the rest must determine.
 const DETERMINED: f64 = 1e-8;

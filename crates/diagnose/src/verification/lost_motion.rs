@@ -11,9 +11,9 @@ use nalgebra::{DMatrix, DVector};
 use trueaxis_effects::LOST_MOTION;
 use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::dense::Svd;
+use trueaxis_selection::{Fit, Hypothesis, ln_f_test};
 
 use crate::engine::{Candidate, Chosen, MOST_OF_FREEDOM, SMOOTH_LEVEL, most};
-use crate::selection::{Fit, Hypothesis, ln_f_test};
 use crate::verification::base::{count, places};
 use crate::verification::comparison::Comparison;
 use crate::verification::problem::Problem;

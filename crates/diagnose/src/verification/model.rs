@@ -1,7 +1,8 @@
 //! A model of readings: causes, and what wanders beside them.
 
+use trueaxis_selection::DECISIVE;
+
 use crate::engine::{Chosen, Listed, beside_one_of};
-use crate::selection::DECISIVE;
 use crate::verification::comparison::COUPLING;
 use crate::verification::omnibus::omnibus;
 use crate::verification::problem::Problem;

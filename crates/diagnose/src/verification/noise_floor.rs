@@ -12,8 +12,8 @@
 //! beside the noise is the bend of a drift within a pass.
 
 use trueaxis_campaign::VerificationKind;
+use trueaxis_selection::Projection;
 
-use crate::selection::Projection;
 use crate::verification::base::{
     cells, count, indicators, less_location, passes, set_up, sizes, times,
 };

@@ -14,9 +14,9 @@ use std::f64::consts::{PI, TAU};
 
 use trueaxis_campaign::VerificationKind;
 use trueaxis_files::told_period;
+use trueaxis_selection::Projection;
 
 use crate::engine::{Family, MOST_OF_FREEDOM, Omnibus};
-use crate::selection::Projection;
 use crate::verification::base::{count, cycles, indicators, lines, times};
 use crate::verification::comparison::Comparison;
 use crate::verification::problem::Problem;

@@ -6,8 +6,9 @@
 
 use std::collections::BTreeMap;
 
+use trueaxis_selection::{Fit, Projection, ln_f_test};
+
 use crate::extremes::extremes;
-use crate::selection::{Fit, Projection, ln_f_test};
 use crate::verification::arrivals::is_same;
 use crate::verification::base::stands;
 use crate::verification::comparison::Comparison;

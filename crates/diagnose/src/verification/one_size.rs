@@ -12,8 +12,10 @@
 
 use std::borrow::Cow;
 
+use trueaxis_leastsquares::dot;
+use trueaxis_selection::{Gram, add};
+
 use crate::engine::{Chosen, FOLDS};
-use crate::selection::{Gram, add, dot};
 use crate::verification::base::count;
 use crate::verification::held_out::{
     BoundedGain, folds, gain_of_blocks, other_shapes, pass_blocks,

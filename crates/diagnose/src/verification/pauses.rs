@@ -5,9 +5,10 @@
 //! and not longer than all: beside the drift as the rows tell it, and beside an offset of each cycle instead of it, lost motion has its
 //! two extremes. If they differ in sign, there are pauses with which there is none; the distance is in its uncertainty.
 
+use trueaxis_selection::Fit;
+
 use crate::Rival;
 use crate::engine::{Chosen, Listed};
-use crate::selection::Fit;
 use crate::verification::base::{count, cycles, indicators};
 use crate::verification::lost_motion::{EFFECT, FORMS};
 use crate::verification::problem::Problem;

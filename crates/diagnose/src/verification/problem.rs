@@ -12,9 +12,9 @@ use std::sync::Arc;
 
 use trueaxis_effects::Scene;
 use trueaxis_predict::CalibratedMachine;
+use trueaxis_selection::Projection;
 
 use crate::engine::{Chosen, Family, Listed};
-use crate::selection::Projection;
 use crate::verification::autocorrelation::Noise;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;

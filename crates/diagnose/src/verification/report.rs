@@ -1,10 +1,10 @@
 //! What was found in one verification, as the outcome says it.
 
 use trueaxis_effects::{Level, ResolvedEffect, Scene, Subject};
+use trueaxis_selection::{DECISIVE, Fit, Projection, Score, add, combined, cosine, is_rival};
 
 use crate::engine::{Chosen, Judged, Listed, places as places_by, side, without};
 use crate::fitted::{Against, Fitted, Row};
-use crate::selection::{DECISIVE, Fit, Projection, Score, add, combined, cosine, is_rival};
 use crate::verification::arrivals::Arrival;
 use crate::verification::comparison::TIMESTAMP_OFFSET;
 use crate::verification::held_out::gain_of;

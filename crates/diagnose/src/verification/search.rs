@@ -10,11 +10,11 @@
 //! 5. One of them goes with time, or a drift and a jump where together they leave nothing: several can follow any course.
 
 use trueaxis_effects::Shape;
+use trueaxis_selection::{DECISIVE, Projection, Score, ln_f_test};
 
 use crate::engine::{
     Beside, Chosen, FURTHER_LEVEL, Listed, SHAPE_ERROR, are_opposed, does_with, without,
 };
-use crate::selection::{DECISIVE, Projection, Score, ln_f_test};
 
 /// Causes named at most: more are no longer an explanation.
 pub(crate) const MOST_CAUSES: usize = 3;

@@ -1,10 +1,10 @@
 //! One series of readings with its causes, and what wanders beside them.
 
 use trueaxis_effects::{Level, Scene};
+use trueaxis_selection::{Projection, add};
 
 use crate::engine::{Chosen, Omnibus, without};
 use crate::said::Entry;
-use crate::selection::{Projection, add};
 use crate::shares::Part;
 use crate::verification::another_curve::another_curve;
 use crate::verification::competition::compete;

@@ -10,10 +10,11 @@
 //! the covariance of all series together. A hypothesis has one column for each parameter over all of them.
 
 use trueaxis_effects::Shape;
+use trueaxis_leastsquares::dot;
 use trueaxis_predict::CalibratedMachine;
+use trueaxis_selection::{Fit, Hypothesis, Projection};
 
 use crate::engine::{Candidate, Chosen, Finer, Listed, without};
-use crate::selection::{Fit, Hypothesis, Projection, dot};
 use crate::verification::comparison::TIMESTAMP_OFFSET;
 use crate::verification::hypotheses::is_continuous;
 use crate::verification::prediction_error::prediction_directions;

@@ -7,10 +7,10 @@
 //! instrument settle, and stay.
 
 use trueaxis_campaign::Verification;
+use trueaxis_selection::ln_f_test;
 
 use crate::engine::most;
 use crate::extremes::extremes;
-use crate::selection::ln_f_test;
 use crate::verification::base::cells;
 use crate::verification::comparison::Comparison;
 use crate::verification::gross_error::{Contradicts, GrossError};

@@ -3,8 +3,10 @@
 //! Two instruments read one motion: an offset of the time stamps in both, and lost motion of another size in each, take each other
 //! away as they do in one series (`engine/opposed.rs`).
 
+use trueaxis_leastsquares::dot;
+use trueaxis_selection::add;
+
 use crate::engine::{Chosen, are_opposed, does_with};
-use crate::selection::{add, dot};
 use crate::verification::stack::Stack;
 
 /// Whether the `k`th cause that series have in common, and those of one of them alone (`own`, of each series), are there to take each

@@ -13,11 +13,11 @@
 
 use trueaxis_effects::Scene;
 use trueaxis_predict::CalibratedMachine;
+use trueaxis_selection::{Hypothesis, f_test};
 
 use crate::Cause;
 use crate::cause::SIZES_DIFFER;
 use crate::engine::{Candidate, Chosen, Listed, without};
-use crate::selection::{Hypothesis, f_test};
 use crate::verification::believed::without_imitations;
 use crate::verification::joined::joint_cause;
 use crate::verification::model::has;

@@ -1,9 +1,10 @@
 //! Readings whose numbers look like those of another unit, or like positions, and positions that look like inches.
 
 use trueaxis_kinematics::AxisKind;
+use trueaxis_leastsquares::dot;
+use trueaxis_selection::Projection;
 
 use crate::extremes::extremes;
-use crate::selection::{Projection, dot};
 use crate::verification::comparison::Comparison;
 
 /// Positions in units that readings come in: the reading for each mm, the part of the range that it may be off by, and the name. A

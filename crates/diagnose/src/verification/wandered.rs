@@ -1,9 +1,9 @@
 //! Report of what wanders while readings are taken, with units.
 
 use trueaxis_effects::Level;
+use trueaxis_selection::{Projection, combined};
 
 use crate::engine::Posterior;
-use crate::selection::{Projection, combined};
 use crate::verification::form::Form;
 use crate::verification::problem::Problem;
 use crate::verification::report::rms_of_readings_um;

@@ -11,10 +11,10 @@ use std::f64::consts::TAU;
 
 use trueaxis_effects::{Layer, Level, Subject};
 use trueaxis_leastsquares::median;
+use trueaxis_selection::Hypothesis;
 
 use crate::engine::correlation_lengths;
 use crate::extremes::extremes;
-use crate::selection::Hypothesis;
 use crate::verification::arrivals::{Arrival, numbered_in_a_row};
 use crate::verification::base::{count, cycles, places};
 use crate::verification::comparison::Comparison;

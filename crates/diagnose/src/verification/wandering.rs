@@ -1,11 +1,11 @@
 //! What wanders beside causes: judged as in the lengths, by its evidence ([`Smooth`]) and a p-value of all together.
 
 use trueaxis_effects::Layer;
+use trueaxis_selection::{ALIKE, DECISIVE, Fit, Hypothesis, Projection, by_evidence, ln_f_test};
 
 use crate::Rival;
 use crate::engine::{Candidate, Chosen, Posterior, SMOOTH_LEVEL, Smooth, without};
 use crate::extremes::extremes;
-use crate::selection::{ALIKE, DECISIVE, Fit, Hypothesis, Projection, by_evidence, ln_f_test};
 use crate::verification::comparison::COUPLING;
 use crate::verification::form::Form;
 use crate::verification::lost_motion::beyond_drives;
