@@ -345,7 +345,7 @@ pub(crate) fn first_ones<T>(
 }
 
 pub(crate) fn probability(p: f64) -> String {
-    if p < f64::MIN_POSITIVE {
+    if p < 1e-300 {
         "p < 1e-300".to_owned()
     } else if p < 1e-3 {
         format!("p = {p:.0e}")

@@ -79,7 +79,7 @@ pub enum Error {
     /// A choice of rows that is singular for these targets.
     #[error(
         "equations {rows} are singular for these targets: condition number {condition:.3e}, \
-         determinant {determinant_mm3:.3e} mm³; choose other rows or all nine"
+         determinant {determinant_mm3:.3e} mm³; all nine may not be"
     )]
     SingularRows {
         /// The choice.

@@ -30,7 +30,9 @@ pub fn missing(campaign: &Campaign) -> Vec<String> {
             .iter()
             .map(|&t| campaign.targets[t].home_mm)
             .collect();
-        if are_in_line(&home) {
+        if targets.is_empty() {
+            missing.push(format!("run {}: no row belongs to it", run.name));
+        } else if are_in_line(&home) {
             missing.push(format!(
                 "run {}: targets {} are fewer than three or on one line by their position_mm: a calibration needs three that are not, \
                  or it does not see how the stage turns",
@@ -51,7 +53,7 @@ pub fn missing(campaign: &Campaign) -> Vec<String> {
             .all(|earlier| earlier.axis != run.axis);
         if is_first && at.len() < POSITIONS {
             missing.push(format!(
-                "axis {}: measured at {} position(s): {POSITIONS} at least show its straightness, two its direction",
+                "axis {}: measured at {} positions; its straightness needs {POSITIONS} at least, its direction 2",
                 campaign.machine.axes()[run.axis].name(),
                 at.len()
             ));

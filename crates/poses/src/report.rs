@@ -1,7 +1,7 @@
 //! What a measurement says about itself and its noise.
 
 use nalgebra::Vector3;
-use trueaxis_campaign::Campaign;
+use trueaxis_campaign::{Campaign, Direction};
 use trueaxis_kinematics::ARCSEC;
 use trueaxis_screening::{NoiseBasis, PartEstimate};
 
@@ -230,14 +230,13 @@ impl AdjustmentReport {
     }
 }
 
-/// Whether positions were approached from both sides.
+/// Whether a step of a run was approached from both sides.
 pub(crate) fn approached_from_both_sides(campaign: &Campaign) -> bool {
     let lengths = campaign.lengths.iter().flat_map(|lengths| &lengths.stops);
     let points = campaign.points.iter().flat_map(|points| &points.stops);
-    let in_runs = lengths
+    let mut in_runs = lengths
         .chain(points)
         .filter(|stop| campaign.steps[stop.step].run.is_some());
-    let mut directions = in_runs.map(|stop| stop.direction);
-    let first = directions.next();
-    directions.any(|direction| Some(direction) != first)
+    let mut steps: Vec<Option<Direction>> = vec![None; campaign.steps.len()];
+    in_runs.any(|stop| *steps[stop.step].get_or_insert(stop.direction) != stop.direction)
 }

@@ -160,7 +160,7 @@ fn taken_out(calibration: &Calibration) -> Option<String> {
         .collect();
     let kept = match all.iter().any(|own| own.effect.ends_with("backlash")) {
         true => {
-            ". The machine keeps its lost motion: for what it does in use, calibrate without it, --by-direction"
+            ". The machine still has its lost motion: for its errors in use, calibrate --by-direction without --with-effects"
         }
         false => "",
     };

@@ -128,9 +128,9 @@ fn plain(parameter: &EstimatedParameter) -> String {
 /// Two digits of the uncertainty, at most three decimals.
 fn decimals(expanded: f64) -> usize {
     match expanded {
-        u if u >= 10.0 => 0,
-        u if u >= 1.0 => 1,
-        u if u >= 0.1 => 2,
+        u if u >= 9.95 => 0,
+        u if u >= 0.995 => 1,
+        u if u >= 0.0995 => 2,
         _ => 3,
     }
 }

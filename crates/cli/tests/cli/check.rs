@@ -136,7 +136,7 @@ fn says_what_a_calibration_lacks() {
     for says in [
         "lengths from 3 station(s): a calibration needs 4",
         "run y: targets P, Q are fewer than three or on one line",
-        "axis X: measured at 2 position(s)",
+        "axis X: measured at 2 positions",
         "can be read; see the 4 notices above",
     ] {
         assert!(outcome.stderr.contains(says), "{says}: {}", outcome.stderr);

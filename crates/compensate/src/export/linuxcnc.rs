@@ -133,8 +133,7 @@ fn triplets(old: &ExportedFile) -> Result<Vec<[f64; 3]>, Error> {
         let refused = |expected: &str| wrong(&old.name, number, line, expected);
         let cells: Vec<f64> = line
             .split_whitespace()
-            .map_while(|cell| cell.parse().ok())
-            .filter(|x: &f64| x.is_finite())
+            .map_while(|cell| cell.parse().ok().filter(|x: &f64| x.is_finite()))
             .collect();
         let &[nominal, forward, backward] = cells.as_slice() else {
             return Err(refused("three numbers; the control reads no further"));

@@ -73,7 +73,7 @@ pub(crate) fn copied(readings: &[VerificationReading]) -> Option<String> {
 const COARSE: f64 = 50.0;
 
 /// Whether repeats differ by one digit at most, of few over the range: an instrument that reads no finer reads the same twice.
-fn is_coarse(readings: &[VerificationReading], furthest_um: f64) -> bool {
+pub(super) fn is_coarse(readings: &[VerificationReading], furthest_um: f64) -> bool {
     let values = || readings.iter().map(|reading| reading.value_um);
     let [low, high] = extremes(values());
     let is_digit = |digit: &f64| {

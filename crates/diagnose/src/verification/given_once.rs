@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use trueaxis_campaign::{Verification, VerificationReading};
 
 use crate::verification::arrivals::{are_timed, is_same};
+use crate::verification::copied::is_coarse;
 
 /// Readings in a row from which on two tables, or two parts of one, are the same; a few may be so by chance.
 pub(super) const LEAST_REPEATED: usize = 6;
@@ -18,13 +19,15 @@ pub(crate) fn given_once<'v>(
     let mut once: Vec<&Verification> = Vec::new();
     for verification in all {
         let is_repeated = |other: &&&Verification| {
-            let rows = other.readings.iter().zip(&verification.readings);
+            let mut rows = other.readings.iter().zip(&verification.readings);
             let count = verification.readings.len();
             count >= LEAST_REPEATED
                 && other.readings.len() == count
-                && rows
-                    .into_iter()
-                    .all(|(a, b)| is_same_stop(a, b) && is_same(a.value_um, b.value_um))
+                // A machine may show the same again to its last digit; a clock tells.
+                && (are_timed(&other.readings) || !is_coarse(&other.readings, 0.0))
+                && rows.all(|(a, b)| {
+                    is_same_stop(a, b) && a.time_s == b.time_s && is_same(a.value_um, b.value_um)
+                })
         };
         match once.iter().find(is_repeated) {
             Some(first) => notices.push(format!(

@@ -117,7 +117,9 @@ pub(crate) fn waves(
 /// At the positions that are reached from both sides what a unit of each parameter is of the lost motion there; `columns` are what it
 /// does to the readings, the first that of a unit everywhere.
 pub(crate) fn sizes(comparison: &Comparison<'_>, columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    // Where the measured point lies on a rotary axis it shows no lost motion.
     let rows = reached_from_both_sides(comparison).into_iter();
+    let rows = rows.filter(|&row| columns[0][row].abs() > 0.0);
     let size = |row: usize| columns.iter().map(|c| c[row] / columns[0][row]).collect();
     rows.map(size).collect()
 }

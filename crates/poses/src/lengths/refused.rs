@@ -1,11 +1,12 @@
 //! What is wrong with the lengths, in the words of the campaign.
 
-use trueaxis_campaign::{Campaign, Direction, Lengths, Stop};
+use trueaxis_campaign::{Campaign, Lengths, Stop};
 use trueaxis_multilateration::{Error as Failure, StationUnknown};
 use trueaxis_screening::{Error as Rejection, Part};
 
 use crate::Error;
 use crate::lengths::network::Group;
+use crate::report::approached_from_both_sides;
 use crate::words::{length_in_words, step_in_words, stop_of};
 
 /// What makes many lengths contradict the others.
@@ -17,14 +18,8 @@ const MOST_NAMED: usize = 5;
 
 /// What to do about lengths that contradict others: `first`, or adjust them all. Where positions were
 /// approached from both sides, lost motion contradicts itself.
-pub(crate) fn or_as_they_are(campaign: &Campaign, lengths: &Lengths, first: &str) -> String {
-    let mut steps: Vec<Option<Direction>> = vec![None; campaign.steps.len()];
-    let in_runs = |stop: &&Stop| campaign.steps[stop.step].run.is_some();
-    let both_sides = lengths.stops.iter().filter(in_runs).any(|stop| {
-        let first = *steps[stop.step].get_or_insert(stop.direction);
-        first != stop.direction
-    });
-    let by_direction = match both_sides {
+pub(crate) fn or_as_they_are(campaign: &Campaign, first: &str) -> String {
+    let by_direction = match approached_from_both_sides(campaign) {
         true => "--by-direction tells lost motion from wrong lengths; ",
         false => "",
     };
@@ -174,7 +169,7 @@ pub(crate) fn screening_error(
                 limit * 100.0,
                 most_of(campaign, lengths, &removed)
             ),
-            or_as_they_are(campaign, lengths, LOOK_AT),
+            or_as_they_are(campaign, LOOK_AT),
         ),
         Rejection::PartLost {
             part,
@@ -189,7 +184,7 @@ pub(crate) fn screening_error(
                     Part::Group(g) => step_in_words(campaign, groups[g].step),
                 }
             ),
-            or_as_they_are(campaign, lengths, LOOK_AT),
+            or_as_they_are(campaign, LOOK_AT),
         ),
         Rejection::Undecidable { pairs } => {
             let named = pairs.iter().take(MOST_NAMED);
@@ -206,7 +201,6 @@ pub(crate) fn screening_error(
                 ),
                 or_as_they_are(
                     campaign,
-                    lengths,
                     "measure these steps again, or leave out their rows",
                 ),
             )

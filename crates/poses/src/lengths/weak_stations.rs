@@ -51,7 +51,7 @@ impl LengthsAdjustment<'_> {
                         format!(
                             "the lengths contradict each other by {sigma0:.0} times their noise, and so much that {what} mean nothing"
                         ),
-                        or_as_they_are(campaign, lengths, LOOK_AT),
+                        or_as_they_are(campaign, LOOK_AT),
                     ));
                 }
             } else if is_hopeless {
