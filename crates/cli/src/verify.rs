@@ -46,10 +46,28 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
     say_all(parallel.iter().flat_map(|found| angles(&machine, found)));
     notice_all(&campaign.notices);
     notice_all(read_out(&campaign));
+    notice_all(outside_steps(&machine, &verified));
     notice_all(mistaken(&verified, args.compensated));
     results.end(args.result.json.then_some(&text))?;
     let is_rejected = verified.iter().any(Verified::is_misfit);
     Ok(Exit::of_misfit(args.fail_on_misfit && is_rejected))
+}
+
+/// Readings where an axis stands outside the steps at which it was calibrated, as notices.
+fn outside_steps(machine: &CalibratedMachine, verified: &[Verified]) -> Vec<String> {
+    let said = verified.iter().filter_map(|entry| {
+        let outside = |point: &&Point| !machine.is_within_steps(&point.positions);
+        let count = entry.points.iter().filter(outside).count();
+        (count > 0).then(|| {
+            format!(
+                "{}: at {count} of its {} places an axis stands outside its calibrated steps; the errors of its nearest step are taken there, \
+                 with a larger u",
+                entry.name,
+                entry.points.len()
+            )
+        })
+    });
+    said.collect()
 }
 
 /// What may be mistaken about readings that contradict their prediction, as notices.

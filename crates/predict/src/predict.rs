@@ -12,12 +12,13 @@
 
 use nalgebra::{Isometry3, Matrix6, Matrix6xX, Point3, Vector6};
 use rayon::prelude::*;
-use trueaxis_kinematics::{Branch, GeometricErrors, LocationComponent, Machine, MotionError};
+use trueaxis_kinematics::axis_twist::{ROTATION, SHIFT, TILT, TRANSLATION, axis_twist};
+use trueaxis_kinematics::{
+    Branch, GeometricErrors, LocationComponent, Machine, MotionError, Twist,
+};
 
 use crate::calibrated_machine::{CalibratedAxis, CalibratedMachine};
 use crate::curve::Sample;
-use trueaxis_kinematics::Twist;
-use trueaxis_kinematics::axis_twist::{ROTATION, SHIFT, TILT, TRANSLATION, axis_twist};
 
 /// The error of the tool against the workpiece.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,6 +78,16 @@ impl CalibratedMachine {
             of_interpolation,
             extrapolated: extrapolated || self.axes.len() < self.machine.axes().len(),
         }
+    }
+
+    /// Whether each measured axis stands within its measured steps at positions of all axes (mm or rad, in the order of
+    /// [`Machine::axes`]); outside, the errors of its nearest step are taken.
+    ///
+    /// # Panics
+    /// If `positions` are fewer than the axes of the machine.
+    pub fn is_within_steps(&self, positions: &[f64]) -> bool {
+        let beyond = |axis: &CalibratedAxis| axis.curve.at(positions[axis.axis]).beyond > 0.0;
+        !self.axes.iter().any(beyond)
     }
 
     /// [`CalibratedMachine::predict`] at many places, on all threads.
