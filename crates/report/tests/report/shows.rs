@@ -340,7 +340,7 @@ fn coordinates_have_their_residuals() {
             "rms by coordinate and target",
             "line 2: z of P, 3.00 µm, 4.10 standard deviations",
             "2 coordinates show less than a tenth of an error",
-            "coordinates are not screened",
+            "Points that contradict the others of their step are left out",
         ],
     );
     calibration["adjustment"]["noise_declared"] = json!(false);
