@@ -13,6 +13,7 @@ mod report;
 mod residuals;
 pub(crate) mod scale;
 mod shared_sources;
+mod side_by_side;
 mod side_difference;
 mod targets_that_moved;
 mod weak_stations;

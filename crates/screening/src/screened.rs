@@ -79,12 +79,36 @@ impl Screened {
     /// # Errors
     /// Those of the adjustment.
     pub fn plain(network: &Network, declared: bool) -> Result<Self, Error> {
-        let mut network = network.clone();
+        let kept = (0..network.readings.len()).collect();
+        Self::adjusted(network.clone(), kept, declared)
+    }
+
+    /// The same readings in other groups: those that `found` kept, occupations split where it splits them. Nothing is sought
+    /// again; the noise is what this network shows.
+    ///
+    /// # Errors
+    /// Those of the adjustment.
+    pub fn as_found(network: &Network, declared: bool, found: &Self) -> Result<Self, Error> {
+        let without: Vec<usize> = found.removed.iter().map(|r| r.reading).collect();
+        let (mut network, kept) = network.without(&without);
+        network
+            .interruptions
+            .clone_from(&found.network.interruptions);
+        Ok(Self {
+            removed: found.removed.clone(),
+            jumps: found.jumps.clone(),
+            wandering: found.wandering.clone(),
+            settled: found.settled,
+            ..Self::adjusted(network, kept, declared)?
+        })
+    }
+
+    fn adjusted(mut network: Network, kept: Vec<usize>, declared: bool) -> Result<Self, Error> {
         let mut solution = solve(&network)?;
         let given_squares = solution.squares;
         let noise = estimate_noise(&mut network, &mut solution, declared)?;
         Ok(Self {
-            kept: (0..network.readings.len()).collect(),
+            kept,
             network,
             solution: Arc::new(solution),
             noise,

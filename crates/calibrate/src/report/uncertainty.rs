@@ -36,38 +36,66 @@ fn parts(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Vec<Part> {
     parts.push(nests(campaign));
     parts.extend(temperatures(campaign));
     parts.extend(repeatability(campaign, measured));
-    parts.extend(beyond_steps(campaign, measured));
+    parts.extend(off_steps(campaign, measured));
     parts
 }
 
-/// A parked axis has the errors of its nearest step. Beyond the last nothing tells how they go on, and what they make of the
-/// location of the axis that moves.
-fn beyond_steps(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Option<Part> {
-    let axis_of = |step: usize| campaign.steps[step].run.map(|run| campaign.runs[run].axis);
+/// A parked axis has the errors of its curve, between its steps and beyond them. How these go on there, and what they make of the
+/// location of the axis that moves, no length tells.
+fn off_steps(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Vec<Part> {
     let poses = &measured.poses;
-    let mut ranges = vec![None; campaign.machine.axes().len()];
-    for (step, axis) in (poses.observations.iter()).filter_map(|o| Some((o.step, axis_of(o.step)?)))
-    {
-        let position = campaign.steps[step].positions[axis];
-        let (low, high) = ranges[axis].unwrap_or((position, position));
-        ranges[axis] = Some((position.min(low), position.max(high)));
+    let mut steps: Vec<Vec<f64>> = vec![Vec::new(); campaign.machine.axes().len()];
+    for pose in &poses.observations {
+        let step = &campaign.steps[pose.step];
+        if let Some(axis) = step.run.map(|run| campaign.runs[run].axis) {
+            steps[axis].push(step.positions[axis]);
+        }
     }
-    let is_beyond = |step: usize, axis: usize| {
-        let position = campaign.steps[step].positions[axis];
-        ranges[axis].is_some_and(|(low, high)| position < low || position > high)
-    };
-    let found = poses.observations.iter().find_map(|pose| {
-        let carriers = poses.bodies[pose.body].targets.iter();
-        let mut axes = carriers.flat_map(|&t| campaign.machine.chain(campaign.targets[t].carrier));
-        Some((pose.step, *axes.find(|&&axis| is_beyond(pose.step, axis))?))
-    });
-    found.map(|(step, axis)| {
+    for own in &mut steps {
+        own.sort_unstable_by(f64::total_cmp);
+    }
+    let first = |what: &str, said: &str, is_off: fn(&[f64], f64) -> bool| -> Option<Part> {
+        let (step, axis) = poses.observations.iter().find_map(|pose| {
+            let carriers = poses.bodies[pose.body].targets.iter();
+            let mut axes =
+                carriers.flat_map(|&t| campaign.machine.chain(campaign.targets[t].carrier));
+            let position = |axis: usize| campaign.steps[pose.step].positions[axis];
+            let off = axes.find(|&&axis| is_off(&steps[axis], position(axis)))?;
+            Some((pose.step, *off))
+        })?;
         let name = campaign.machine.axes()[axis].name();
         let place = step_in_words(campaign, step);
-        Err(format!(
-            "errors of axes beyond their steps: {place}, {name} stood where it was not measured"
-        ))
-    })
+        Some(Err(format!("{what}: {place}, {name} stood {said}")))
+    };
+    let beyond = first(
+        "errors of axes beyond their steps",
+        "where it was not measured",
+        is_beyond,
+    );
+    let between = first(
+        "errors of parked axes between their steps",
+        "between two of its steps, whose errors are interpolated",
+        is_between,
+    );
+    beyond.into_iter().chain(between).collect()
+}
+
+/// Whether a position lies outside some steps (rising).
+fn is_beyond(steps: &[f64], position: f64) -> bool {
+    let ends = steps.first().zip(steps.last());
+    ends.is_some_and(|(low, high)| position < *low || position > *high)
+}
+
+/// Part of the distance of two steps up to which a position next to one of them has its errors.
+const AT_STEP: f64 = 0.02;
+
+/// Whether a position lies between two of some steps (rising), not at one.
+fn is_between(steps: &[f64], position: f64) -> bool {
+    let above = steps.partition_point(|step| *step < position);
+    let Some((low, high)) = above.checked_sub(1).map(|k| steps[k]).zip(steps.get(above)) else {
+        return false;
+    };
+    (position - low).min(high - position) > AT_STEP * (high - low)
 }
 
 /// Of points: residuals of one visit show the instrument, but not where the machine would have stood at another. Lengths

@@ -14,6 +14,7 @@ use crate::lengths::network::{CampaignNetwork, Group, network_from_campaign};
 use crate::lengths::refused::{adjustment_error, contradictory, screening_error};
 use crate::lengths::scale::{Scale, ScaleResult, at_scale};
 use crate::lengths::shared_sources::SharedSources;
+use crate::lengths::side_by_side::side_by_side;
 use crate::points::{MeasuredPoints, PointGroup, PointNoise};
 use crate::poses::{PoseNoise, PoseObservation, Poses, TargetBody};
 use crate::report::KnownMisfit;
@@ -75,6 +76,10 @@ impl<'a> LengthsAdjustment<'a> {
         );
         let screened =
             adjusted.map_err(|error| screening_error(campaign, lengths, &groups, error))?;
+        let screened = match side_by_side(campaign, lengths, settings, &network, &screened) {
+            Some(apart) => apart,
+            None => screened,
+        };
         let mut adjustment = Self {
             campaign,
             lengths,
