@@ -173,7 +173,7 @@ impl BlockBatch {
 
     /// Writes the shared unknowns' elements of a row to the front of `place`, which is zero.
     #[inline(always)]
-    pub(crate) fn copy_shared_row(&self, row: usize, place: &mut [Lanes]) {
+    pub fn copy_shared_row(&self, row: usize, place: &mut [Lanes]) {
         let Shape { in_runs, .. } = self.shape;
         let (run, rest) = self.row(row)[self.shape.unknowns..self.shape.residual()].split_at(RUN);
         if in_runs > 0 {

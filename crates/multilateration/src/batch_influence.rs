@@ -224,6 +224,12 @@ impl BatchRows {
         &self.memory.beams.points
     }
 
+    /// Writes the whitened derivatives of a slot by the shared unknowns to the front of `place`, which is zero.
+    #[inline(always)]
+    pub(crate) fn copy_shared_row(&self, slot: usize, place: &mut [Lanes]) {
+        self.memory.equations.copy_shared_row(slot, place);
+    }
+
     /// What ties the points of a batch of a body.
     pub(crate) fn tie(&self) -> &Tie {
         &self.memory.tie

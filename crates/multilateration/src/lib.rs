@@ -18,6 +18,7 @@
 //! Carlo. Lengths are mm in any right-handed frame.
 //!
 //! Further analysis starts from the solution: [`Solution::tests`] (is a length wrong?),
+//! [`Solution::own_shapes`] (did the targets move as a rigid body?),
 //! [`Solution::variance_components`] (what noise do the residuals show?), and [`Whitened`], the rows of the hat matrix,
 //! for all else.
 //!
@@ -47,6 +48,7 @@ mod linearise;
 mod memory;
 mod network;
 mod noise;
+mod own_shapes;
 mod passes;
 mod pieces;
 mod reflector_set;
@@ -70,6 +72,7 @@ pub use distances::{Distances, Pair};
 pub use error::{Error, StationUnknown};
 pub use network::{Interruption, KnownDeadPath, Network, Reading, Visit};
 pub use noise::Noise;
+pub use own_shapes::{OwnShapeTest, OwnShapes};
 pub use reflector_set::{USUAL_DIFFERENCE_MM, adjust_as_a_set, solve_as_a_set};
 pub use reflectors::{Reflectors, contrast};
 pub use solution::{Solution, Station};

@@ -11,6 +11,7 @@ mod reflectors;
 mod refused;
 mod report;
 mod residuals;
+mod rigid_steps;
 pub(crate) mod scale;
 mod shared_sources;
 mod side_by_side;

@@ -95,10 +95,11 @@ fn from_lengths<'a>(
         true => by_points(campaign, &lengths, Method::Nine).ok(),
         false => Some(by_points(campaign, &lengths, settings.method)?),
     };
-    let mut misfits = by_points.as_ref().map_or_else(Vec::new, |(_, found)| {
-        rigidity::misfits(campaign, found, adjustment.noise_declared)
-    });
-    misfits.extend(lengths.lost_targets());
+    let mut misfits = lengths.steps_not_rigid();
+    // What the lengths that are left say of the step counts.
+    let mut lost = lengths.lost_targets();
+    lost.retain(|lost| misfits.iter().all(|misfit| misfit.step != lost.step));
+    misfits.extend(lost);
     let points = by_points.as_ref().map(|(points, _)| points);
     let point_variance_mm2 = points.map(|points| points.noise.largest_variance_mm2());
     let (poses, by_equations, points) = match by_points {

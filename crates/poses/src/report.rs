@@ -114,9 +114,9 @@ impl InterruptedOccupation {
 pub struct StepMisfit {
     /// A description of the step.
     pub step: String,
-    /// Rms of what a rigid motion leaves, µm.
+    /// Rms of what a rigid motion leaves of measured coordinates; of lengths that of what its triangle differs by, µm.
     pub rms_um: f64,
-    /// `vᵀ C⁻¹ v`.
+    /// `vᵀ C⁻¹ v`; of lengths by how much that of the whole adjustment drops without the triangle of the others.
     pub chi_squared: f64,
     /// Its degrees of freedom.
     pub degrees_of_freedom: usize,

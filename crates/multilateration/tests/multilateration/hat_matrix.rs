@@ -6,18 +6,18 @@ use trueaxis_multilateration::{Network, Noise, Reflectors, Solution, Whitened, c
 
 use crate::irregular::{dead_path_of_readings, network};
 
-const NOISE: Noise = Noise {
+pub(crate) const NOISE: Noise = Noise {
     length_sigma_mm: 3e-4,
     length_sigma_relative: 5e-7,
     repeatability_mm: 1e-3,
 };
 
 /// So few groups are one piece of work, so many are several.
-const FEW: usize = 21;
+pub(crate) const FEW: usize = 21;
 const MANY: usize = 600;
 
 /// A network with errors of micrometres, solved.
-fn solved(groups: usize, noise: Noise, is_tied: bool) -> (Network, Solution) {
+pub(crate) fn solved(groups: usize, noise: Noise, is_tied: bool) -> (Network, Solution) {
     let mut network = network(groups, noise, is_tied);
     for (i, reading) in network.readings.iter_mut().enumerate() {
         reading.length_mm += 2e-3 * (3.3 * (i as f64 + 0.7)).sin();
@@ -87,15 +87,15 @@ fn weights_whiten_the_covariance() {
 
 /// Where everything is, apart from the equations.
 #[derive(Clone)]
-struct Places {
+pub(crate) struct Places {
     stations: Vec<Point3<f64>>,
     dead_paths_mm: Vec<f64>,
-    points: Vec<Point3<f64>>,
+    pub(crate) points: Vec<Point3<f64>>,
     constants_mm: Vec<f64>,
 }
 
 impl Places {
-    fn of(solution: &Solution) -> Self {
+    pub(crate) fn of(solution: &Solution) -> Self {
         let dead_paths = solution.stations.iter().map(|s| s.dead_path_mm);
         Self {
             stations: solution.stations.iter().map(|s| s.position_mm).collect(),
@@ -107,7 +107,7 @@ impl Places {
         }
     }
 
-    fn lengths_mm(&self, network: &Network) -> Vec<f64> {
+    pub(crate) fn lengths_mm(&self, network: &Network) -> Vec<f64> {
         let reflectors: &Reflectors = network.reflectors.as_ref().unwrap();
         let dead_paths = dead_path_of_readings(network);
         let visits = network.visits.iter();

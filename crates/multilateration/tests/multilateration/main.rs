@@ -6,6 +6,7 @@ mod bodies;
 mod deviation;
 mod hat_matrix;
 mod irregular;
+mod own_shapes;
 mod properties;
 mod reflectors;
 mod trials;

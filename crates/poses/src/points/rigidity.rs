@@ -1,4 +1,5 @@
-//! Whether the targets move as a rigid triangle.
+//! Whether targets whose coordinates are measured move as a rigid triangle. (Of lengths the adjustment itself tells:
+//! [`crate::lengths`].)
 //!
 //! Each step is compared with the shape of its run: first with the median over the steps, which
 //! steps that fail do not bend, then with the mean over those that passed. The noise is the declared
