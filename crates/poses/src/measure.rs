@@ -9,6 +9,7 @@ use trueaxis_multilateration::Station;
 use crate::Error;
 use crate::lengths::{LengthsAdjustment, ReflectorConstant, ScaleResult};
 use crate::points::equations::{PointEquations, PointPoses, poses_from_points};
+use crate::points::noise_shown::noise_shown;
 use crate::points::report::points_report;
 use crate::points::turned_runs::turned_runs;
 use crate::points::{MeasuredPoints, points_from_coordinates, rigidity};
@@ -144,10 +145,6 @@ fn by_points(
     Ok((points, found))
 }
 
-/// No machine returns to its positions worse, mm: repeats that differ by more are mistakes, which multiply all uncertainties. The same
-/// of a micrometre of noise, beside which nothing else would count.
-const MOST_REPEATABILITY_MM: f64 = 1.0;
-
 fn from_points<'a>(
     campaign: &'a Campaign,
     points: &Points,
@@ -167,36 +164,25 @@ fn from_points<'a>(
     let declared_mm = campaign.instrument.repeatability_um;
     let declared_mm = declared_mm.map(|um| um * MICROMETRE);
     let (mut points, mut found) = with_repeatability(declared_mm.unwrap_or(0.0))?;
-    let (squares, degrees_of_freedom) = rigidity::total(&found);
-    // Undeclared, all variances will be multiplied by what the residuals say (at least a nanometre).
-    let residuals = (is_undeclared && degrees_of_freedom > 0).then_some(degrees_of_freedom as f64);
-    let unit = residuals.map_or(1.0, |degrees| (squares / degrees).max(1e-6));
-    let relative_variance = residuals.map_or(0.0, |degrees| 2.0 / degrees);
-    let by_repeats = match declared_mm {
-        // This one is known; where repeats scatter by more it grows with the others.
-        Some(known_mm) if residuals.is_some() && known_mm > 0.0 => {
-            Some((known_mm * known_mm, Matrix2::zeros()))
-        }
-        Some(_) => None,
-        // Nothing tells it from the noise of the instrument.
-        None if is_undeclared && residuals.is_none() => None,
-        None => points
-            .repeatability_by_repeats(unit, relative_variance)
-            .filter(|(mm2, _)| mm2.max(mm2 / unit) < MOST_REPEATABILITY_MM.powi(2)),
-    };
-    if let Some((variance_mm2, relative_covariance)) = by_repeats {
-        (points, found) = with_repeatability((variance_mm2 / unit).sqrt())?;
+    let shown = noise_shown(
+        &points,
+        rigidity::total(&found),
+        (!is_undeclared, declared_mm),
+    );
+    if let Some((variance_mm2, relative_covariance)) = shown.repeatability {
+        (points, found) = with_repeatability(variance_mm2.sqrt())?;
         found.poses.relative_covariance = relative_covariance;
     }
     let mut point_residuals = found.equations.residuals(&points);
     let (adjustment, mut notices) = points_report(
         campaign,
         settings.by_direction,
-        &points,
+        (&points, &shown),
         (&found, &point_residuals),
     );
-    // Undeclared, the noise is what the residuals say.
-    if !adjustment.noise_declared && adjustment.uncertainty_factor > 0.0 {
+    // Undeclared or rejected, the noise is what the residuals say.
+    let is_shown = shown.by_residuals || !adjustment.noise_declared;
+    if is_shown && adjustment.uncertainty_factor > 0.0 {
         for residual in &mut point_residuals {
             residual.standardized /= adjustment.uncertainty_factor;
         }
@@ -242,7 +228,7 @@ impl Poses {
 
 impl<'a> MeasuredPoses<'a> {
     /// The residuals of all lengths, or of all coordinates that led to poses, in measuring order. Those of
-    /// coordinates are in units of the declared noise where all of it is declared.
+    /// coordinates are in units of the declared noise where all of it is declared and holds.
     pub fn residuals(&self) -> Vec<Residual> {
         let of_points = || self.point_residuals.clone();
         let lengths = self.lengths.as_ref();

@@ -3,6 +3,7 @@
 mod coordinates;
 pub(crate) mod equations;
 mod measured;
+pub(crate) mod noise_shown;
 mod repeats;
 pub(crate) mod report;
 mod residuals;

@@ -20,8 +20,8 @@ pub struct AdjustmentReport {
     pub p_value: f64,
     /// Whether the noise was declared.
     pub noise_declared: bool,
-    /// Factor on all standard uncertainties beyond the noise that was used: 1 unless a points
-    /// campaign's residuals contradict its declared noise.
+    /// Factor on all standard uncertainties beyond the noise that was used for weights: 1 unless a points campaign's
+    /// residuals contradict its declared noise. A repeatability that holds was weighed as so much smaller.
     pub uncertainty_factor: f64,
     /// Degrees of freedom of that factor; infinite where it is 1 because the declared noise holds.
     pub factor_degrees_of_freedom: f64,
@@ -182,6 +182,9 @@ pub struct KnownMisfit {
 /// and at which a word is said about it: one clean campaign in a thousand.
 pub(crate) const GLOBAL_TEST_LEVEL: f64 = 1e-3;
 
+/// Degrees of freedom that are as good as infinite.
+pub(crate) const MANY: f64 = 1e6;
+
 impl AdjustmentReport {
     /// Whether the residuals are larger than the noise that was assumed.
     pub(crate) fn is_contradicted(&self) -> bool {
@@ -205,13 +208,10 @@ impl AdjustmentReport {
             )];
         }
         if self.is_contradicted() {
-            let p_value = match p_value < f64::MIN_POSITIVE {
-                true => "below 1e-300".to_owned(),
-                false => format!("= {p_value:.0e}"),
-            };
             let notice = format!(
-                "the residuals are {sigma0:.2} times what the declared noise explains (p {p_value}): the model \
-                 or the declared noise is wrong; {consequence}"
+                "the residuals are {sigma0:.2} times what the declared noise explains ({}): the model or the \
+                 declared noise is wrong; {consequence}",
+                p_in_words(p_value)
             );
             let lost_motion = "positions were approached from both sides: lost motion makes such \
                                residuals; --by-direction gives each side curves of its own";
@@ -227,6 +227,14 @@ impl AdjustmentReport {
             )];
         }
         Vec::new()
+    }
+}
+
+/// A p-value that may be too small for a number.
+pub(crate) fn p_in_words(p_value: f64) -> String {
+    match p_value < f64::MIN_POSITIVE {
+        true => "p below 1e-300".to_owned(),
+        false => format!("p = {p_value:.0e}"),
     }
 }
 

@@ -47,7 +47,7 @@ pub struct PartEstimate {
 
 /// Below this number of degrees of freedom a variance is not worth estimating if one is declared: its
 /// relative uncertainty would be above one half.
-const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
+pub const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
 
 /// Significance at which few degrees of freedom, too, give up the declared noise.
 const REJECTED: f64 = 1e-3;
@@ -59,10 +59,10 @@ const LEAST_LENGTH: f64 = 1e-3;
 const ROUNDING_MM: f64 = 1e-6;
 
 /// Residuals this much smaller than declared come from no instrument but from a calculation.
-const TOO_GOOD: f64 = 0.01;
+pub const TOO_GOOD: f64 = 0.01;
 
 /// Parts that the data tell apart less than this (`1 - ρ²` of their estimates) are scaled together.
-const LEAST_SEPARATION: f64 = 0.01;
+pub const LEAST_SEPARATION: f64 = 0.01;
 
 /// Settled when no factor differs from one by more than this part of its own uncertainty.
 const SETTLED: f64 = 0.02;

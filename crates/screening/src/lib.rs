@@ -50,7 +50,10 @@ mod step_tests;
 mod uneven;
 
 pub use error::{Error, Part};
-pub use estimate_noise::{NoiseBasis, NoiseEstimate, PartEstimate, estimate_noise};
+pub use estimate_noise::{
+    LEAST_DEGREES_OF_FREEDOM, LEAST_SEPARATION, NoiseBasis, NoiseEstimate, PartEstimate, TOO_GOOD,
+    estimate_noise,
+};
 pub use guard::{MOST_OF_A_PART, MOST_REMOVED, is_concentrated};
 pub use screen::{screen, screen_within};
 pub use screened::{Jump, Removed, Screened, WanderingZero};

@@ -18,37 +18,84 @@
 //! S = Σ w e²      E S = s² ν + ρ² tr A      A_vv' = Σ_v w [v = v'] - Σ_t w_tv w_tv' / w_t      of all directions and steps
 //! var S = 2 (s⁴ ν + 2 s² ρ² tr A + ρ⁴ tr A²)
 //! ```
+//!
+//! The same sum tests a declared ρ: `S / E S` follows F with `2 (E S)² / var S` and `2 (E S)² / (ν² var s²)` degrees of
+//! freedom (Satterthwaite).
 
 use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector, Matrix2, Vector3};
+use trueaxis_leastsquares::f_upper_tail;
+use trueaxis_screening::{LEAST_DEGREES_OF_FREEDOM, TOO_GOOD};
 
 use crate::points::{GroupReading, MeasuredPoints};
+use crate::report::{GLOBAL_TEST_LEVEL, MANY};
 
 impl MeasuredPoints {
     /// χ² of the repeated readings of all steps about their means, and its degrees of freedom.
     pub(crate) fn repeat_scatter(&self) -> (f64, usize) {
+        self.scatter_with(self.repeatability_variance_mm2)
+    }
+
+    fn scatter_with(&self, repeatability_variance_mm2: f64) -> (f64, usize) {
         let groups = self.groups.iter().zip(&self.readings);
         let of_groups = groups.map(|(group, readings)| {
-            scatter_of_repeats(
-                readings,
-                group.targets.len(),
-                self.repeatability_variance_mm2,
-            )
+            scatter_of_repeats(readings, group.targets.len(), repeatability_variance_mm2)
         });
         of_groups.fold((0.0, 0), |(squares, degrees), (s, d)| {
             (squares + s, degrees + d)
         })
     }
 
-    /// ρ² by the repeats, mm², where these were weighed without it; `None` where none are. With it, how well the
-    /// variance `unit` of unit weight, whose relative variance is given, and ρ² are known, relative to their values.
+    /// How far visits tell the noise of the instrument from the machine's repeatability, which all targets of a visit
+    /// share: from 0, where each sees one target, to 1. Of visits that see `n` targets each it is `1 - 1/n`, which is
+    /// `1 - ρ²` of estimates of both parts from the repeats.
+    pub(crate) fn separation(&self) -> f64 {
+        let readings: usize = self.readings.iter().map(Vec::len).sum();
+        let visits: usize = self.readings.iter().map(|of| by_visit(of).len()).sum();
+        1.0 - visits as f64 / readings.max(1) as f64
+    }
+
+    /// The p-value of repeats that reject this ρ² (mm²), by as much scatter or as little; `None` where they do not.
+    /// `unit` is as in [`Self::repeatability_by_repeats`].
+    pub(crate) fn rejected_repeatability(
+        &self,
+        variance: f64,
+        unit: f64,
+        relative_variance: f64,
+    ) -> Option<f64> {
+        let (squares, degrees) = self.scatter_with(0.0);
+        if degrees == 0 {
+            return None;
+        }
+        let [trace, of_square] = self.traces_of_visits();
+        let by_unit = unit * degrees as f64;
+        let expected = by_unit + variance * trace;
+        let of_squares =
+            2.0 * unit * (by_unit + 2.0 * variance * trace) + 2.0 * variance * variance * of_square;
+        let freedom = |variance: f64| (2.0 * expected * expected / variance).min(MANY);
+        let own = freedom(of_squares);
+        let of_unit = freedom(by_unit * by_unit * relative_variance);
+        let above = f_upper_tail(squares / expected, own, of_unit);
+        // Repeats that scatter much less than the instrument alone were not measured.
+        let is_credible =
+            own >= LEAST_DEGREES_OF_FREEDOM && squares > TOO_GOOD * TOO_GOOD * by_unit;
+        let p_value = match above < 0.5 {
+            true => above,
+            false if is_credible => (1.0 - above).max(f64::EPSILON),
+            false => 1.0,
+        };
+        (p_value < GLOBAL_TEST_LEVEL).then_some(p_value)
+    }
+
+    /// ρ² by the repeats, mm²; `None` where none are. With it, how well the variance `unit` of unit weight, whose
+    /// relative variance is given, and ρ² are known, relative to their values.
     pub(crate) fn repeatability_by_repeats(
         &self,
         unit: f64,
         relative_variance: f64,
     ) -> Option<(f64, Matrix2<f64>)> {
-        let (squares, degrees) = self.repeat_scatter();
+        let (squares, degrees) = self.scatter_with(0.0);
         let excess = squares - unit * degrees as f64;
         if degrees == 0 || excess <= 0.0 {
             return None;

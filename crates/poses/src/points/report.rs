@@ -2,19 +2,22 @@
 
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::MICROMETRE;
-use trueaxis_leastsquares::chi_squared_upper_tail;
+use trueaxis_leastsquares::{chi_squared_upper_tail, f_upper_tail};
 
 use crate::Residual;
 use crate::points::MeasuredPoints;
 use crate::points::equations::PointPoses;
+use crate::points::noise_shown::NoiseShown;
 use crate::points::rigidity;
-use crate::report::{AdjustmentReport, GLOBAL_TEST_LEVEL, approached_from_both_sides};
+use crate::report::{
+    AdjustmentReport, GLOBAL_TEST_LEVEL, MANY, approached_from_both_sides, p_in_words,
+};
 
 /// The report of measured points and the poses found from them, with what a user must know of it.
 pub(crate) fn points_report(
     campaign: &Campaign,
     by_direction: bool,
-    measured: &MeasuredPoints,
+    (measured, shown): (&MeasuredPoints, &NoiseShown),
     (found, residuals): (&PointPoses, &[Residual]),
 ) -> (AdjustmentReport, Vec<String>) {
     let (squares, degrees_of_freedom) = rigidity::total(found);
@@ -49,17 +52,18 @@ pub(crate) fn points_report(
         rejected: Vec::new(),
         interruptions: Vec::new(),
     };
-    let scaled = !noise_declared || report.is_contradicted();
+    let scaled = !noise_declared || shown.by_residuals || report.is_contradicted();
     if scaled {
         report.uncertainty_factor = sigma0;
         report.factor_degrees_of_freedom = degrees_of_freedom as f64;
     }
     let mut notices = Vec::new();
-    if let Some((factor, degrees_of_freedom, p_value)) = repeat_factor(measured, noise_declared) {
+    if let Some((factor, degrees_of_freedom, p_value)) = repeat_factor(measured, &report) {
         if noise_declared {
             notices.push(format!(
                 "repeated points scatter {factor:.2} times as much as sigma_um and the repeatability of the \
-                 machine explain (p = {p_value:.1e}): all uncertainties are multiplied by {factor:.2} at least"
+                 machine explain ({}): all uncertainties are multiplied by {factor:.2} at least",
+                p_in_words(p_value)
             ));
         }
         if factor > report.uncertainty_factor {
@@ -69,24 +73,44 @@ pub(crate) fn points_report(
     }
     let both_sides = !by_direction && approached_from_both_sides(campaign);
     let returns_mm = report.uncertainty_factor * measured.repeatability_variance_mm2.sqrt();
-    if campaign.instrument.repeatability_um.is_none() && returns_mm > 0.0 {
-        let sides = match both_sides {
-            true => {
-                ", the difference of both sides of approach included; --by-direction keeps them apart"
-            }
-            false => "",
-        };
-        notices.push(format!(
-            "repeatability_um is not declared: by the repeated points the machine returns within {:.2} µm (standard \
-             deviation of a coordinate{sides})",
-            returns_mm / MICROMETRE
-        ));
+    let sides = match both_sides {
+        true => {
+            ", the difference of both sides of approach included; --by-direction keeps them apart"
+        }
+        false => "",
+    };
+    let returns = format!(
+        "by the repeated points the machine returns within {:.2} µm (standard deviation of a coordinate{sides})",
+        returns_mm / MICROMETRE
+    );
+    match (campaign.instrument.repeatability_um, shown.p_value) {
+        (Some(declared_um), Some(p_value)) => notices.push(format!(
+            "repeatability_um is declared as {declared_um:.2}, but {returns}: uncertainties contain the latter ({})",
+            p_in_words(p_value)
+        )),
+        (None, _) if returns_mm > 0.0 => {
+            notices.push(format!("repeatability_um is not declared: {returns}"));
+        }
+        _ => {}
     }
     let consequence = match scaled {
-        true => "all uncertainties are multiplied by this",
-        false => "uncertainties are those of the declared noise",
+        true if shown.told_apart => {
+            let declared_um = rms_sigma_um(campaign);
+            format!(
+                "sigma_um, declared as {declared_um:.2} (rms of all), counts as {:.2}",
+                sigma0 * declared_um
+            )
+        }
+        true => "all uncertainties are multiplied by this".to_owned(),
+        false => "uncertainties are those of the declared noise".to_owned(),
     };
-    notices.extend(report.residual_notices(consequence, both_sides));
+    match noise_declared || degrees_of_freedom == 0 {
+        true => notices.extend(report.residual_notices(&consequence, both_sides)),
+        false => notices.push(format!(
+            "sigma_um is not declared: the noise of a coordinate follows from the residuals ({degrees_of_freedom} \
+             degrees of freedom)"
+        )),
+    }
     if !report.noise_declared && campaign.instrument.length_sigma_um.is_some() {
         let text = "length_sigma_um is the noise of lengths: points have theirs in a column `sigma_um` of points.csv";
         notices.push(text.to_owned());
@@ -99,12 +123,26 @@ fn rms_mm(residuals: &[Residual]) -> f64 {
     (squares / residuals.len().max(1) as f64).sqrt()
 }
 
-/// How much larger than declared the scatter of repeated points is, if that is significant, with its
-/// degrees of freedom and p-value.
-fn repeat_factor(measured: &MeasuredPoints, declared: bool) -> Option<(f64, f64, f64)> {
+/// The declared standard deviation of a coordinate, rms of all readings, µm.
+fn rms_sigma_um(campaign: &Campaign) -> f64 {
+    let readings = campaign.points.iter().flat_map(|points| &points.readings);
+    let sigmas: Vec<f64> = readings.filter_map(|reading| reading.sigma_um).collect();
+    let squares: f64 = sigmas.iter().map(|sigma| sigma * sigma).sum();
+    (squares / sigmas.len().max(1) as f64).sqrt()
+}
+
+/// How much larger than by the noise found so far the scatter of repeated points is in units of the declared one, with its
+/// degrees of freedom and p-value; of a declared noise only if that is significant.
+fn repeat_factor(measured: &MeasuredPoints, report: &AdjustmentReport) -> Option<(f64, f64, f64)> {
     let (squares, degrees_of_freedom) = measured.repeat_scatter();
     let degrees = degrees_of_freedom as f64;
-    let p_value = chi_squared_upper_tail(squares, degrees);
-    let significant = !declared || p_value < GLOBAL_TEST_LEVEL;
+    let p_value = match report.factor_degrees_of_freedom.is_finite() {
+        false => chi_squared_upper_tail(squares, degrees),
+        true => {
+            let ratio = squares / degrees / report.uncertainty_factor.powi(2);
+            f_upper_tail(ratio, degrees, report.factor_degrees_of_freedom.min(MANY))
+        }
+    };
+    let significant = !report.noise_declared || p_value < GLOBAL_TEST_LEVEL;
     (degrees_of_freedom > 0 && significant).then(|| ((squares / degrees).sqrt(), degrees, p_value))
 }

@@ -18,7 +18,7 @@ use trueaxis_kinematics::{ARCSEC, AxisKind, Ideal, centroid};
 use trueaxis_leastsquares::f_upper_tail;
 
 use crate::poses::Poses;
-use crate::report::TurnedRuns;
+use crate::report::{MANY, TurnedRuns};
 use crate::words::step_in_words;
 
 /// Probability that any two runs of a campaign whose frame stands still are said to be turned.
@@ -26,9 +26,6 @@ const LEVEL: f64 = 1e-3;
 
 /// Smaller ones are nothing that an instrument does, rad: what positions are rounded to, and angular lost motion of a good machine.
 const LEAST_RAD: f64 = 0.5 * ARCSEC;
-
-/// Degrees of freedom that are as good as infinite.
-const MANY: f64 = 1e6;
 
 /// What rounding leaves of a weight, relative to the largest.
 const ROUNDING: f64 = 1e-9;

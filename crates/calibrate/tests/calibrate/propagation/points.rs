@@ -163,12 +163,12 @@ fn a_declared_repeatability_is_not_what_the_residuals_make_of_it() {
     }
 }
 
-/// Repeats scatter by the repeatability, which all targets of a visit share, beside the instrument's noise: it was taken for
-/// more noise of each coordinate, and angles got twice their uncertainty. Some 100 visits know it to 7 %.
-#[test]
-fn repeats_tell_an_undeclared_repeatability() {
-    const SIGMA_UM: f64 = 1.0;
-    const RETURNS_UM: f64 = 3.0;
+/// True noise of [`repeated_points`].
+const SIGMA_UM: f64 = 1.0;
+const RETURNS_UM: f64 = 3.0;
+
+/// Eight repeats with noise, by which some 100 visits know the repeatability to 7 %.
+fn repeated_points() -> Campaign {
     let mut random = ChaCha8Rng::seed_from_u64(17);
     let mut normal = |sigma_um: f64| {
         let sigma = Normal::new(0.0, sigma_um * MICROMETRE).unwrap();
@@ -182,26 +182,100 @@ fn repeats_tell_an_undeclared_repeatability() {
             reading.position_mm += return_mm + normal(SIGMA_UM);
         }
     }
-    let calibrated = |sigma_um: Option<f64>, repeatability_um: Option<f64>| {
-        let mut campaign = campaign.clone();
-        campaign.instrument.repeatability_um = repeatability_um;
-        for reading in &mut campaign.points.as_mut().unwrap().readings {
-            reading.sigma_um = sigma_um;
-        }
-        calibrate(&campaign, &settings(Method::Nine)).unwrap()
-    };
-    let known = calibrated(Some(SIGMA_UM), Some(RETURNS_UM));
-    for sigma_um in [None, Some(SIGMA_UM)] {
-        let found = calibrated(sigma_um, None);
-        for (found, known) in found.results().iter().zip(known.results()) {
-            let off = (found.u / known.u).ln();
-            assert!(
-                known.u <= 0.0 || off.abs() < 0.25,
-                "{:?}: {off}",
-                found.output
-            );
-        }
+    campaign
+}
+
+/// Calibrated with this noise declared.
+fn declaring(
+    campaign: &Campaign,
+    sigma_um: Option<f64>,
+    repeatability_um: Option<f64>,
+) -> Calibration {
+    let mut campaign = campaign.clone();
+    campaign.instrument.repeatability_um = repeatability_um;
+    for reading in &mut campaign.points.as_mut().unwrap().readings {
+        reading.sigma_um = sigma_um;
     }
+    calibrate(&campaign, &settings(Method::Nine)).unwrap()
+}
+
+fn assert_as_uncertain(found: &Calibration, known: &Calibration) {
+    for (found, known) in found.results().iter().zip(known.results()) {
+        let off = (found.u / known.u).ln();
+        assert!(
+            known.u <= 0.0 || off.abs() < 0.25,
+            "{:?}: {off}",
+            found.output
+        );
+    }
+}
+
+/// Repeats scatter by the repeatability, which all targets of a visit share, beside the instrument's noise: it was taken for
+/// more noise of each coordinate, and angles got twice their uncertainty.
+#[test]
+fn repeats_tell_an_undeclared_repeatability() {
+    let campaign = repeated_points();
+    let known = declaring(&campaign, Some(SIGMA_UM), Some(RETURNS_UM));
+    for sigma_um in [None, Some(SIGMA_UM)] {
+        assert_as_uncertain(&declaring(&campaign, sigma_um, None), &known);
+    }
+}
+
+/// One factor multiplied all uncertainties where either part of the noise was declared wrong: too small a repeatability made those of
+/// translations too small and those of rotations too large. Both parts are known to some 10 % at another seed.
+#[test]
+fn a_part_declared_wrong_leaves_the_other_as_declared() {
+    let campaign = repeated_points();
+    let known = declaring(&campaign, Some(SIGMA_UM), Some(RETURNS_UM));
+    let says = |calibration: &Calibration, text: &str| {
+        calibration.notices.iter().any(|own| own.contains(text))
+    };
+    let [of_return, of_sigma] = ["repeatability_um is declared as", "sigma_um, declared as"];
+    assert!(!says(&known, of_return) && !says(&known, of_sigma));
+    assert!((known.adjustment.uncertainty_factor - 1.0).abs() < f64::EPSILON);
+    for (sigma_um, repeatability_um) in [
+        (Some(SIGMA_UM), RETURNS_UM / 3.0),
+        (Some(SIGMA_UM), RETURNS_UM * 3.0),
+        (None, RETURNS_UM / 3.0),
+        (Some(SIGMA_UM / 3.0), RETURNS_UM),
+        (Some(SIGMA_UM * 3.0), RETURNS_UM),
+        (Some(SIGMA_UM * 3.0), RETURNS_UM / 3.0),
+    ] {
+        let found = declaring(&campaign, sigma_um, Some(repeatability_um));
+        assert_as_uncertain(&found, &known);
+        let is_wrong = |declared: f64, right: f64| (declared / right).ln().abs() > 0.1;
+        let wrong_sigma = sigma_um.is_some_and(|sigma| is_wrong(sigma, SIGMA_UM));
+        let wrong_return = is_wrong(repeatability_um, RETURNS_UM);
+        let said = [of_return, of_sigma].map(|text| says(&found, text));
+        assert_eq!(said, [wrong_return, wrong_sigma], "{:?}", found.notices);
+        let undeclared = says(&found, "sigma_um is not declared");
+        assert_eq!(undeclared, sigma_um.is_none());
+    }
+}
+
+/// Where each visit sees one target, nothing tells its noise from the repeatability: one factor for both.
+#[test]
+fn visits_of_single_targets_tell_the_whole_noise_alone() {
+    let mut campaign = points_campaign(simulated(&two_branches()), 8, &Isometry3::identity());
+    let points = campaign.points.as_mut().unwrap();
+    let single = |stop: &Stop| {
+        let of = |reading: usize| Stop {
+            readings: reading..reading + 1,
+            ..stop.clone()
+        };
+        stop.readings.clone().map(of).collect::<Vec<_>>()
+    };
+    points.stops = points.stops.iter().flat_map(single).collect();
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let whole = Normal::new(0.0, SIGMA_UM.hypot(RETURNS_UM) * MICROMETRE).unwrap();
+    for reading in &mut points.readings {
+        reading.position_mm += Vector3::from_fn(|_, _| whole.sample(&mut random));
+    }
+    let known = declaring(&campaign, Some(SIGMA_UM), Some(RETURNS_UM));
+    let found = declaring(&campaign, Some(SIGMA_UM), Some(RETURNS_UM / 3.0));
+    assert_as_uncertain(&found, &known);
+    let text = "all uncertainties are multiplied by this";
+    assert!(found.notices.iter().any(|own| own.contains(text)));
 }
 
 /// A visit in which all targets are a metre off made the machine return within a hundred millimetres, with a covariance that
