@@ -52,7 +52,7 @@ pub enum Error {
         step: String,
     },
     /// The data contradict each other, and a usual mistake explains it.
-    #[error("{error}; this would explain it: {explanation}")]
+    #[error("likely cause: {explanation}; {error}")]
     Mistaken {
         /// What is wrong with the data as they are.
         error: Box<Error>,
@@ -91,7 +91,7 @@ impl Error {
         match self {
             Self::Poses(error) => error.what(),
             Self::Mistaken { error, explanation } => {
-                format!("{}; this would explain it: {explanation}", error.what())
+                format!("likely cause: {explanation}; {}", error.what())
             }
             other => other.to_string(),
         }

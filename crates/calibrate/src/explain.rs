@@ -1,7 +1,7 @@
 //! A calibration as the search for mistakes looks at it ([`trueaxis_mistakes`]).
 
 use trueaxis_campaign::{Campaign, Stop};
-use trueaxis_mistakes::{Mistakes, Refused, Trial};
+use trueaxis_mistakes::{Mistakes, OffNominal, Refused, Trial};
 
 use crate::Error;
 use crate::report::nominal_positions::targets_elsewhere;
@@ -32,6 +32,7 @@ pub(crate) fn trial(campaign: &Campaign, calibration: Calibration) -> Trial {
     let elsewhere = targets_elsewhere(campaign, &calibration.targets);
     Trial {
         adjustment: calibration.adjustment.clone(),
+        off_nominal: off_nominal(campaign, &calibration),
         is_plausible: elsewhere.is_empty()
             && calibration
                 .axes
@@ -40,6 +41,24 @@ pub(crate) fn trial(campaign: &Campaign, calibration: Calibration) -> Trial {
         lengths_mm: Box::new(move |campaign, target, stops| {
             lengths_mm(&calibration, campaign, target, stops)
         }),
+    }
+}
+
+/// Targets and stations from where the campaign has them. Where targets on the bed should be matters to nothing.
+fn off_nominal(campaign: &Campaign, calibration: &Calibration) -> OffNominal {
+    let targets = calibration.targets.iter().filter_map(|found| {
+        let target = campaign.targets.iter().find(|t| t.name == found.name)?;
+        target.carrier?;
+        Some((found.position_mm - target.home_mm).norm())
+    });
+    let stations = calibration.stations.iter().filter_map(|found| {
+        let mut stations = campaign.stations.iter();
+        let approx_mm = stations.find(|s| s.name == found.name)?.approx_mm?;
+        Some((found.position_mm - approx_mm).norm())
+    });
+    OffNominal {
+        targets_mm: targets.collect(),
+        stations_mm: stations.collect(),
     }
 }
 

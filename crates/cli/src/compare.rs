@@ -48,17 +48,16 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
             other.name(),
         ));
     }
-    for (axis, kind, [a, b]) in first.other_travels(&second) {
-        let unit = told_behind(kind.position_unit(), ' ');
-        let travel = |ends: [f64; 2]| {
-            let [from, to] = ends.map(|q| kind.position_in_file(q));
-            format!("{from:.0} … {to:.0}{unit}")
-        };
+    for (axis, kind, positions) in first.other_steps(&second) {
+        notice(&other_steps(axis, kind, positions.as_deref()));
+    }
+    let open = curves.iter().filter(|c| c[0].follows_from_other_steps);
+    let open: Vec<&str> = open.map(|curve| curve[0].name.as_str()).collect();
+    if !open.is_empty() {
         notice(&format!(
-            "{axis} was measured over {} first, over {} then: average lines and axes are those of the travel, so \
-             that differences of straightness and location errors contain what its curves make of that",
-            travel(a),
-            travel(b)
+            "differences of {} contain what error curves make of other positions, which U does not, so that no \
+             change of the machine follows from them: measure both times at the same positions",
+            open.join(", ")
         ));
     }
     if measured_lengths(&args.first)
@@ -76,6 +75,23 @@ pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
 fn place(kind: AxisKind, position: f64) -> String {
     let rounded = round(position_in_file(kind, position), DECIMALS);
     format!("{rounded}{}", told_behind(kind.position_unit(), ' '))
+}
+
+/// What average lines refer to of an axis that was measured at other positions.
+fn other_steps(axis: &str, kind: AxisKind, positions: Option<&[f64]>) -> String {
+    let measured = format!("{axis} was measured at other positions first than then");
+    let what = match kind {
+        AxisKind::Linear => "straightness, and squareness to it, are from its average line through",
+        AxisKind::Rotary => "what is across it is from its average axis at",
+    };
+    match positions.and_then(|all| Some((all.len(), all.first()?, all.last()?))) {
+        Some((count, from, to)) => format!(
+            "{measured}: in both calibrations {what} {count} positions from {} to {}",
+            place(kind, *from),
+            place(kind, *to)
+        ),
+        None => format!("{measured}, and its average line or axis is that of the positions"),
+    }
 }
 
 /// What the differences of an axis refer to of which home was not a step in both calibrations.
@@ -133,17 +149,27 @@ fn to_json(
             format!("difference_{suffix}"): column(&Difference::value),
             format!("u_{suffix}"): column(&|d| d.u),
             "positions": (!positions.is_empty()).then_some(positions),
+            "follows_from_other_steps": curve[0].follows_from_other_steps.then_some(true),
         }));
         (curve[0].name.clone(), value)
     };
-    json!({
+    let lines = first.other_steps(second).into_iter();
+    let common: serde_json::Map<String, Value> = lines
+        .filter_map(|(axis, kind, positions)| {
+            let in_file = |q: &f64| position_in_file(kind, *q);
+            let positions: Vec<f64> = positions?.iter().map(in_file).collect();
+            Some((axis.to_owned(), json!(positions)))
+        })
+        .collect();
+    without_nulls(json!({
         "format": "trueaxis-comparison",
         "version": 1,
         "machine": second.name,
         "first": first.campaign,
         "second": second.campaign,
+        "common_positions": (!common.is_empty()).then_some(common),
         "differences": curves.iter().map(entry).collect::<Value>(),
-    })
+    }))
 }
 
 fn unit(difference: &Difference) -> (f64, &'static str) {
@@ -160,7 +186,7 @@ fn summary(curves: &[&[Difference]]) -> String {
     }
     let changed = curves
         .iter()
-        .filter(|curve| curve.iter().any(Difference::is_beyond_noise));
+        .filter(|curve| curve.iter().any(Difference::is_change));
     let all = curves.len();
     match changed.count() {
         0 => format!("none of the {all} has changed by more than the noise"),
@@ -179,10 +205,12 @@ fn table(curves: &[&[Difference]]) -> Vec<String> {
         let Some(largest) = largest else { continue };
         let (unit, suffix) = unit(largest);
         let symbol = if suffix == "um" { "µm" } else { "″ " };
-        let changed = curve.iter().filter(|d| d.is_beyond_noise()).count();
-        let said = match changed {
+        let beyond = curve.iter().filter(|d| d.is_beyond_noise()).count();
+        let of_all = format!("at {beyond} of {}", curve.len());
+        let said = match beyond {
             0 => String::new(),
-            _ => format!("changed, at {changed} of {}", curve.len()),
+            _ if curve[0].follows_from_other_steps => format!("other positions, {of_all}"),
+            _ => format!("changed, {of_all}"),
         };
         let expanded = match largest.u.is_nan() {
             true => format!("{:>9}", "unknown"),

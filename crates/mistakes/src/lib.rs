@@ -3,9 +3,10 @@
 //! Each mistake (names of targets or stations exchanged, an axis or the lengths reversed, nominal positions that are not
 //! those at home, a wrong prism constant) is undone in a copy of the campaign, and that copy is calibrated; long runs are
 //! thinned first. A mistake is reported, with where it was made and what to change, if undoing it makes the lengths fit with
-//! only isolated rejections, and the axes move as commanded. Mistakes that fit alike are all named, those made in the largest
-//! part of the measurement first. A constant may be of any size: the lengths to one target are left out, and it is their
-//! mean difference from what the others predict.
+//! only isolated rejections, and the axes move as commanded. Mistakes that fit alike are all named, of those made in the
+//! largest part of the measurement; the first is one that targets and stations do not speak against ([`OffNominal`]). A
+//! constant may be of any size: the lengths to one target are left out, and it is their mean difference from what the others
+//! predict.
 //!
 //! Noun in: a [`trueaxis_campaign::Campaign`], and how one is calibrated (a function to a [`Trial`]); noun out: an
 //! explanation for the user ([`Mistakes::explanation`]). [`Mistakes::lost_sweeps`] explains sweeps of which most lengths were
@@ -30,9 +31,11 @@
 
 mod lost_sweeps;
 mod mistake;
+mod off_nominal;
 mod offsets;
 mod scope;
 mod search;
 mod suspects;
 
+pub use off_nominal::OffNominal;
 pub use search::{MOST_ACCIDENTS, Mistakes, PredictedLengths, Refused, Trial};

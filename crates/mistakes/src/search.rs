@@ -6,6 +6,7 @@ use trueaxis_kinematics::MICROMETRE;
 use trueaxis_poses::AdjustmentReport;
 
 use crate::mistake::{Mistake, What};
+use crate::off_nominal::OffNominal;
 use crate::offsets::measured;
 use crate::scope::{Scope, thinned, with_lengths};
 use crate::suspects::{LeftOut, suspects};
@@ -37,6 +38,8 @@ pub struct Trial {
     pub adjustment: AdjustmentReport,
     /// Whether its errors, and the places of its targets, are those of a machine.
     pub is_plausible: bool,
+    /// How far targets and stations are from where the campaign has them.
+    pub off_nominal: OffNominal,
     /// What it predicts.
     pub lengths_mm: Box<PredictedLengths>,
 }
@@ -48,6 +51,14 @@ pub enum Refused {
     Contradiction,
     /// It does not determine what is sought, or for another reason.
     Other,
+}
+
+/// A mistake that explains a contradiction.
+struct Explanation {
+    mistake: Mistake,
+    /// What is left of the residuals when it is undone, mm.
+    residual_mm: f64,
+    off_nominal: OffNominal,
 }
 
 /// The search for mistakes in a campaign.
@@ -71,14 +82,42 @@ impl Mistakes<'_> {
     /// A text about what would explain the lengths of a part of the measurement.
     pub(crate) fn explanation_within(&self, within: &Scope) -> Option<String> {
         let fits = self.explanations(within);
-        let words = fits.iter().map(|mistake| mistake.in_words(self.campaign));
-        let words: Vec<String> = words.collect();
-        (!words.is_empty()).then(|| words.join("; or "))
+        let (first, others) = fits.split_first()?;
+        let mut text = first.mistake.in_words(self.campaign);
+        if others.is_empty() {
+            return Some(text);
+        }
+        let aside = |fit: &Explanation| {
+            let words = fit.off_nominal.in_words();
+            words.map_or_else(String::new, |words| format!(" ({words})"))
+        };
+        text += &aside(first);
+        let mut is_open = false;
+        for other in others {
+            let farther = other.off_nominal.is_clearly_farther(&first.off_nominal);
+            is_open |= !farther;
+            text += if farther {
+                "; or, less likely, "
+            } else {
+                "; or "
+            };
+            text += &other.mistake.in_words(self.campaign);
+            text += &aside(other);
+        }
+        text += match is_open {
+            true => {
+                "; the lengths, targets and stations fit each of them: look at the machine which it was"
+            }
+            false => {
+                "; the lengths fit each of them, only where targets and stations are tells them apart: look at the machine"
+            }
+        };
+        Some(text)
     }
 
     /// The mistakes after which the campaign fits, the best first: of those made in the largest part. None if the
     /// campaign fits already with fewer steps: then only lengths at the others are wrong, and no part as a whole.
-    fn explanations(&self, within: &Scope) -> Vec<Mistake> {
+    fn explanations(&self, within: &Scope) -> Vec<Explanation> {
         let small = thinned(self.campaign);
         let as_it_is = (self.calibrate)(&small, false);
         if *within == Scope::default() && as_it_is.as_ref().is_ok_and(Trial::fits) {
@@ -94,7 +133,7 @@ impl Mistakes<'_> {
                 Ok(_) => LeftOut::Contradicts,
             }
         };
-        let tried = |suspects: Vec<Mistake>| -> Vec<(f64, Mistake)> {
+        let tried = |suspects: Vec<Mistake>| -> Vec<Explanation> {
             let suspects = suspects.into_par_iter();
             suspects
                 .filter_map(|m| self.tried(&small, m, most_mm))
@@ -104,20 +143,28 @@ impl Mistakes<'_> {
         let fits = by_size.map(tried).find(|fits| !fits.is_empty());
         let mut fits = fits.unwrap_or_default();
         // Stable: of equal ones the first.
-        fits.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let least_mm = fits.first().map_or(0.0, |(residual_mm, _)| *residual_mm);
-        fits.retain(|(residual_mm, _)| *residual_mm <= ALIKE * least_mm);
+        fits.sort_by(|a, b| a.residual_mm.total_cmp(&b.residual_mm));
+        let least_mm = fits.first().map_or(0.0, |fit| fit.residual_mm);
+        fits.retain(|fit| fit.residual_mm <= ALIKE * least_mm);
+        let misfit = |fit: &Explanation| fit.off_nominal.misfit();
+        let nearest = fits
+            .iter()
+            .min_by(|a, b| misfit(a).total_cmp(&misfit(b)))
+            .map(|fit| fit.off_nominal.clone());
+        if let Some(nearest) = nearest {
+            fits.sort_by_key(|fit| fit.off_nominal.is_clearly_farther(&nearest));
+        }
         fits.truncate(MOST_NAMED);
-        fits.into_iter().map(|(_, mistake)| mistake).collect()
+        fits
     }
 
-    /// A mistake with the residuals that are left when it is undone, mm; `None` if the campaign does not fit then.
+    /// A mistake with what is left when it is undone; `None` if the campaign does not fit then.
     fn tried(
         &self,
         campaign: &Campaign,
         mut mistake: Mistake,
         most_mm: f64,
-    ) -> Option<(f64, Mistake)> {
+    ) -> Option<Explanation> {
         if let What::Offset { target, .. } = mistake.what {
             let others = with_lengths(campaign, |stop, reading| {
                 reading.target != target || !mistake.scope.holds(campaign, stop)
@@ -130,7 +177,11 @@ impl Mistakes<'_> {
             )?;
         }
         let trial = self.good(&mistake.undone(campaign), most_mm)?;
-        Some((trial.adjustment.rms_residual_mm, mistake))
+        Some(Explanation {
+            mistake,
+            residual_mm: trial.rms_mm(),
+            off_nominal: trial.off_nominal,
+        })
     }
 
     /// The calibration of a campaign, if nothing is left that a mistake would explain. Screening takes long where

@@ -90,7 +90,8 @@ fn by_size(mut all: Vec<Mistake>) -> Vec<Vec<Mistake>> {
 
 /// The parts in which a mistake may have been made. If the lengths fit without those of a run, it was made there and
 /// nowhere else; if they do so without none of the runs, it was made in several. The same of repeats. A station
-/// cannot be left out so easily.
+/// cannot be left out so easily. All together are a place in any case: without the run that tells a machine from its
+/// mirror image, a mistake that mirrors it leaves no contradiction.
 fn scopes(
     campaign: &Campaign,
     within: &Scope,
@@ -123,6 +124,9 @@ fn scopes(
                 repeat,
             }));
         }
+    }
+    if !scopes.contains(within) {
+        scopes.insert(0, *within);
     }
     scopes
 }

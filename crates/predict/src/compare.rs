@@ -3,13 +3,16 @@
 //! Component errors are compared at the steps of the second calibration that lie inside those of the first, where the
 //! first is interpolated; location errors as they are. The two are taken for independent, so that `u² = u_a² + u_b²`, with
 //! what the interpolation may be off by. Both are in the frame and gauge of their own, by the same rules: what they define
-//! away differs by nothing. Translations and average lines are those of the reference point, so that calibrations with
-//! other reference points are not compared; average lines over other travels ([`CalibratedMachine::other_travels`]) and errors
-//! that are zero elsewhere than at home ([`CalibratedMachine::other_homes`]) are.
+//! away differs by nothing, if lines are through the same positions. Where steps differ, both are therefore
+//! referred to a line (or axis) through positions that both know ([`crate::common_line`]); what else follows from other steps is
+//! marked ([`Difference::follows_from_other_steps`]). Translations and average lines are those of the reference point, so that
+//! calibrations with other reference points are not compared; errors that are zero elsewhere than at home
+//! ([`CalibratedMachine::other_homes`]) are.
 
-use trueaxis_kinematics::{AxisKind, Component};
+use trueaxis_kinematics::{AxisKind, Component, LocationComponent};
 
 use crate::calibrated_machine::{CalibratedAxis, CalibratedMachine};
+use crate::common_line::{Function, Steps, Tilts};
 
 /// Standard uncertainties beyond which a difference is not noise: normal noise exceeds them once in 150,000, so that
 /// of a thousand differences, however they go together, one does with a probability below 1 %.
@@ -17,9 +20,6 @@ const BEYOND_NOISE: f64 = 4.5;
 
 /// Reference points that are closer together are one, mm: a rotation of 1e-3 rad makes a nanometre of the distance.
 const SAME_POINT_MM: f64 = 1e-3;
-
-/// Ends that differ by less of the travel change no average line to speak of.
-const SAME_TRAVEL: f64 = 0.02;
 
 /// Steps that are closer together are one, mm or rad: files round degrees to 1e-9.
 const SAME_HOME: f64 = 1e-9;
@@ -50,10 +50,14 @@ pub struct Difference {
     pub position: Option<f64>,
     /// Whether it is an angle.
     pub is_angular: bool,
-    /// In the first calibration.
+    /// In the first calibration; what refers to an average line or axis, from [that](CalibratedMachine::other_steps) through
+    /// positions that both know.
     pub first: f64,
     /// In the second.
     pub second: f64,
+    /// Whether average lines or axes enter it that are through other positions in the second calibration: then it contains what the
+    /// error curves make of that, which `u` does not.
+    pub follows_from_other_steps: bool,
     /// Standard uncertainty of second minus first; 0 where both are zero by definition, NaN if one calibration has none.
     pub u: f64,
 }
@@ -77,6 +81,11 @@ impl Difference {
     /// Second minus first, mm or rad.
     pub fn value(&self) -> f64 {
         self.second - self.first
+    }
+
+    /// Whether the machine has changed there, which noise and other steps do not explain.
+    pub fn is_change(&self) -> bool {
+        self.is_beyond_noise() && !self.follows_from_other_steps
     }
 
     /// Whether it is more than noise makes of any of a thousand differences.
@@ -115,16 +124,23 @@ impl CalibratedMachine {
                 });
             }
         }
-        for (name, a, b) in self.pairs(second) {
+        let pairs = self.pairs_with_steps(second);
+        for Pair { name, axes, steps } in &pairs {
+            let [a, b] = *axes;
+            let axis = &second.machine.axes()[b.axis];
             for component in Component::ALL {
+                let is_across = axis.kind() == AxisKind::Rotary || !component.is_angular();
                 for position in b.curve.steps() {
-                    let of = |machine: &Self, axis: &CalibratedAxis| {
-                        machine.component_at(axis, component, position)
-                    };
-                    let (Some((first, u_a)), Some((second, u_b))) = (of(self, a), of(second, b))
-                    else {
+                    if a.curve.at(position).beyond > 0.0 {
                         continue;
+                    }
+                    let function = steps.function(component, position);
+                    let of = |machine: &Self, axis: &CalibratedAxis| {
+                        let mut sum = Sum::default();
+                        sum.add(axis, &function);
+                        (sum.value, sum.u(machine))
                     };
+                    let ((first, u_a), (second, u_b)) = (of(self, a), of(second, b));
                     all.push(Difference {
                         name: component.name(name),
                         axis: b.axis,
@@ -132,27 +148,28 @@ impl CalibratedMachine {
                         is_angular: component.is_angular(),
                         first,
                         second,
+                        follows_from_other_steps: is_across && *steps == Steps::Other,
                         u: u_a.hypot(u_b) + unknown,
                     });
                 }
             }
         }
-        for (name, a, b) in self.pairs(second) {
-            for component in b.reported.iter().filter(|c| a.reported.contains(c)) {
-                let of = |machine: &Self, axis: &CalibratedAxis| {
-                    let place = axis.reported.iter().position(|other| other == component);
-                    let place = axis.first_location + place.unwrap_or_default();
-                    let u = machine.factors.u(&[(place, 1.0)]);
-                    (component.of(&axis.location), u)
-                };
-                let ((first, u_a), (second, u_b)) = (of(self, a), of(second, b));
+        let in_first = Tilts::new(&self.machine, &self.axes);
+        let in_second = Tilts::new(&second.machine, &second.axes);
+        for pair in &pairs {
+            let [a, b] = pair.axes;
+            for &component in b.reported.iter().filter(|c| a.reported.contains(c)) {
+                let first_sum = location(&pairs, pair, component, &in_first, 0);
+                let second_sum = location(&pairs, pair, component, &in_second, 1);
+                let [u_a, u_b] = [first_sum.u(self), second_sum.u(second)];
                 all.push(Difference {
-                    name: component.name(name),
+                    name: component.name(pair.name),
                     axis: b.axis,
                     position: None,
                     is_angular: component.is_angular(),
-                    first,
-                    second,
+                    first: first_sum.value,
+                    second: second_sum.value,
+                    follows_from_other_steps: lies_elsewhere(&pairs, pair, component, &in_second),
                     u: u_a.hypot(u_b) + unknown,
                 });
             }
@@ -160,23 +177,22 @@ impl CalibratedMachine {
         Ok(all)
     }
 
-    /// Axes whose first or last step is elsewhere in `second`, with both travels, mm or rad. Straightness, squareness and
-    /// where a rotary axis is are about the average line or axis of the travel, so that their differences contain what
-    /// the error curve itself makes of the other travel.
-    pub fn other_travels<'a>(
+    /// Axes that were measured at other steps in `second`, with the positions (mm or rad) of the average line or axis to which both
+    /// calibrations are referred; none where too few are known in both.
+    pub fn other_steps<'a>(
         &'a self,
         second: &'a Self,
-    ) -> Vec<(&'a str, AxisKind, [[f64; 2]; 2])> {
-        let all = self.pairs(second).map(|(name, a, b)| {
-            let kind = second.machine.axes()[b.axis].kind();
-            (name, kind, [a.range, b.range])
+    ) -> Vec<(&'a str, AxisKind, Option<Vec<f64>>)> {
+        let pairs = self.pairs_with_steps(second).into_iter();
+        let other = pairs.filter_map(|pair| {
+            let kind = second.machine.axes()[pair.axes[1].axis].kind();
+            match pair.steps {
+                Steps::Same => None,
+                Steps::Line(line) => Some((pair.name, kind, Some(line.positions))),
+                Steps::Other => Some((pair.name, kind, None)),
+            }
         });
-        all.filter(|(_, _, [a, b])| {
-            let longest = (a[1] - a[0]).max(b[1] - b[0]);
-            let off = (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
-            off > SAME_TRAVEL * longest
-        })
-        .collect()
+        other.collect()
     }
 
     /// Axes of which home was not a step in both calibrations, with the steps whose errors each takes for those at home, mm
@@ -232,22 +248,95 @@ impl CalibratedMachine {
         })
     }
 
-    /// A component error and its standard uncertainty, mm or rad; none outside the steps.
-    fn component_at(
-        &self,
-        axis: &CalibratedAxis,
-        component: Component,
-        position: f64,
-    ) -> Option<(f64, f64)> {
-        let sample = axis.curve.at(position);
-        if sample.beyond > 0.0 {
-            return None;
-        }
-        let c = component.index();
-        let places = sample.weights.iter();
-        let places: Vec<_> = places.map(|&(n, w)| (axis.first + 6 * n + c, w)).collect();
-        let between_steps = axis.remainder.u(&sample)[c];
-        let value = axis.error(&sample).to_vector()[c];
-        Some((value, self.factors.u(&places).hypot(between_steps)))
+    /// The same with what their steps have in common.
+    fn pairs_with_steps<'a>(&'a self, second: &'a Self) -> Vec<Pair<'a>> {
+        let pairs = self.pairs(second).map(|(name, a, b)| {
+            let steps = Steps::new(&second.machine.axes()[b.axis], a, b);
+            let axes = [a, b];
+            Pair { name, axes, steps }
+        });
+        pairs.collect()
     }
+}
+
+/// An axis that both measured.
+struct Pair<'a> {
+    name: &'a str,
+    /// Its errors in the first calibration and in the second.
+    axes: [&'a CalibratedAxis; 2],
+    steps: Steps,
+}
+
+/// A linear function of the results of a calibration.
+#[derive(Default)]
+struct Sum {
+    value: f64,
+    /// Places of results and coefficients.
+    places: Vec<(usize, f64)>,
+    /// What interpolation may be off by, at all positions to the same side: between steps a smooth curve is.
+    between_steps: f64,
+}
+
+impl Sum {
+    fn add(&mut self, axis: &CalibratedAxis, function: &Function) {
+        for (position, coefficients) in function {
+            let sample = axis.curve.at(*position);
+            self.value += coefficients.dot(&axis.error(&sample).to_vector());
+            self.between_steps += coefficients.abs().dot(&axis.remainder.u(&sample));
+            for &(node, weight) in &sample.weights {
+                let used = coefficients.iter().enumerate().filter(|(_, c)| **c != 0.0);
+                let places = used.map(|(i, c)| (axis.first + 6 * node + i, c * weight));
+                self.places.extend(places);
+            }
+        }
+    }
+
+    fn u(&self, machine: &CalibratedMachine) -> f64 {
+        machine.factors.u(&self.places).hypot(self.between_steps)
+    }
+}
+
+/// A location error with the lines through the positions that both calibrations know, in the first (0) or the second (1).
+fn location(
+    pairs: &[Pair<'_>],
+    of: &Pair<'_>,
+    component: LocationComponent,
+    tilts: &Tilts<'_>,
+    which: usize,
+) -> Sum {
+    let axis = of.axes[which];
+    let place = axis.reported.iter().position(|other| *other == component);
+    let mut sum = Sum {
+        value: component.of(&axis.location),
+        places: vec![(axis.first_location + place.unwrap_or_default(), 1.0)],
+        between_steps: 0.0,
+    };
+    let (LocationComponent::Tilt(i), Some(_)) = (component, tilts.lines()) else {
+        return sum;
+    };
+    for pair in pairs {
+        if let Steps::Line(line) = &pair.steps {
+            let own = pair.axes[which];
+            let response = tilts.response(axis.axis, own.axis);
+            sum.add(own, &line.of_tilt(&response.row(i).transpose()));
+        }
+    }
+    sum
+}
+
+/// Whether lines or axes enter a location error that are not through the same positions.
+fn lies_elsewhere(
+    pairs: &[Pair<'_>],
+    of: &Pair<'_>,
+    component: LocationComponent,
+    tilts: &Tilts<'_>,
+) -> bool {
+    let lines = match (component, tilts.lines()) {
+        (LocationComponent::Tilt(_), Some(lines)) => lines,
+        // The curves at home displace the targets, which have a part in the frame.
+        _ => return pairs.iter().any(|pair| pair.steps != Steps::Same),
+    };
+    let index = |pair: &Pair<'_>| pair.axes[1].axis;
+    let enters = |pair: &&Pair<'_>| index(pair) == index(of) || lines.contains(&index(pair));
+    pairs.iter().filter(enters).any(|p| p.steps == Steps::Other)
 }

@@ -34,6 +34,7 @@
 
 mod approach;
 mod calibrated_machine;
+mod common_line;
 mod compare;
 mod coverage_factor;
 mod curve;

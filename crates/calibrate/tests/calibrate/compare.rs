@@ -1,7 +1,7 @@
 //! Two calibrations of one machine.
 
 use trueaxis_calibrate::{Settings, calibrate};
-use trueaxis_kinematics::{AxisKind, MICROMETRE};
+use trueaxis_kinematics::{AxisKind, GeometricErrors, MICROMETRE};
 use trueaxis_predict::CalibratedMachine;
 use trueaxis_simulate::{Scenario, Term, simulate};
 
@@ -67,20 +67,100 @@ fn noise_is_no_difference_and_a_repair_is_one() {
     );
 }
 
-/// A second measurement over half of the travel of X has other average lines, which is said; the same travel is not.
+/// The machine of the scenario as it is, whatever the steps.
+fn machine_with(changes: &[(&str, &str)]) -> Scenario {
+    let mut json = include_str!("../../../../campaigns/fxyz/scenario.json").to_owned();
+    let whole = ("\"repeats\": 3", "\"repeats\": 3, \"gauge\": \"none\"");
+    for (from, to) in std::iter::once(&whole).chain(changes) {
+        assert!(json.contains(from), "{from}");
+        json = json.replace(from, to);
+    }
+    Scenario::from_json(&json).unwrap()
+}
+
+/// One machine with X measured in steps of 40 mm, over half of the travel, at positions of which hardly any are the same, with a
+/// tenth of the noise. Lines through other points made errors of squareness of up to 0.4″, which were called changes. Noise is
+/// beyond 4.5 u once in 150,000: in some 970 differences with a probability below 1 %.
 #[test]
-fn other_travels_are_told() {
-    let whole = calibrated(&scenario(), 1);
-    assert!(whole.other_travels(&calibrated(&scenario(), 2)).is_empty());
-    let json = include_str!("../../../../campaigns/fxyz/scenario.json");
-    let half = json.replace("\"stop\": 440", "\"stop\": 220");
-    assert_ne!(half, json);
-    let half = calibrated(&Scenario::from_json(&half).unwrap(), 2);
-    let travels = [[0.0, 440.0], [0.0, 220.0]];
-    assert_eq!(
-        whole.other_travels(&half),
-        [("X", AxisKind::Linear, travels)]
+fn other_steps_are_no_change() {
+    let quiet = [
+        ("\"length_sigma_um\": 0.269", "\"length_sigma_um\": 0.0269"),
+        ("\"repeatability_um\": 1.0", "\"repeatability_um\": 0.1"),
+    ];
+    let with = |sweep: &str, seed| {
+        let sweep = ("\"start\": 0, \"stop\": 440, \"step\": 20", sweep);
+        calibrated(&machine_with(&[quiet[0], quiet[1], sweep]), seed)
+    };
+    let first = with("\"start\": 0, \"stop\": 440, \"step\": 20", 1);
+    for (sweep, positions, was_changed) in [
+        ("\"start\": 0, \"stop\": 440, \"step\": 40", 12, false),
+        ("\"start\": 0, \"stop\": 220, \"step\": 20", 12, true),
+        ("\"start\": 0, \"stop\": 440, \"step\": 27.5", 17, false),
+    ] {
+        let second = with(sweep, 2);
+        let told = first.other_steps(&second);
+        let [("X", AxisKind::Linear, Some(common))] = &told[..] else {
+            panic!("{told:?}")
+        };
+        assert_eq!(common.len(), positions, "{common:?}");
+        let differences = first.compare(&second).unwrap();
+        let e_n = |d: &&trueaxis_predict::Difference| d.e_n().map_or(0.0, f64::abs);
+        let above = differences.iter().filter(|d| e_n(d) > 1.0).count();
+        let largest = differences
+            .iter()
+            .max_by(|a, b| e_n(a).total_cmp(&e_n(b)))
+            .unwrap();
+        let c0y = differences.iter().find(|d| d.name == "C0Y").unwrap();
+        let own = second.location(1).tilt_rad.z - first.location(1).tilt_rad.z;
+        println!(
+            "{sweep}: {above} of {} above 1; C0Y {:.2} u, each by its own steps {:.2} u; {largest:?}",
+            differences.len(),
+            c0y.value() / c0y.u,
+            own / c0y.u
+        );
+        assert!((above as f64) < 0.15 * differences.len() as f64);
+        assert!(differences.iter().all(|d| !d.is_beyond_noise()));
+        assert!(!differences.iter().any(|d| d.follows_from_other_steps));
+        assert!((own / c0y.u).abs() > 4.5 || !was_changed);
+    }
+    assert!(first.other_steps(&first).is_empty());
+}
+
+/// A rotary axis at other angles (a third of a turn and a half) has another average axis, about the same angles the same one. Where it
+/// is among the targets is open, as these fix the frame: that is marked, and called no change.
+#[test]
+fn a_rotary_axis_is_referred_to_the_same_angles() {
+    let json = include_str!("../../../../campaigns/rotary-stage/scenario.json");
+    let with = |sweep: &str, seed| {
+        let text = json.replace("\"repeats\": 3", "\"repeats\": 3, \"gauge\": \"none\"");
+        let text = text.replace("\"start\": 0, \"stop\": 360, \"step\": 20", sweep);
+        calibrated(&Scenario::from_json(&text).unwrap(), seed)
+    };
+    let first = with("\"start\": 0, \"stop\": 120, \"step\": 10", 1);
+    let second = with("\"start\": 0, \"stop\": 180, \"step\": 20", 2);
+    let [("C", AxisKind::Rotary, Some(common))] = &first.other_steps(&second)[..] else {
+        panic!("{:?}", first.other_steps(&second))
+    };
+    assert_eq!(common.len(), 7);
+    let differences = first.compare(&second).unwrap();
+    let (curves, location): (Vec<_>, Vec<_>) =
+        differences.iter().partition(|d| d.position.is_some());
+    let largest = curves.iter().filter_map(|d| d.e_n()).map(f64::abs);
+    println!("largest |E_n| {:.2}", largest.fold(0.0, f64::max));
+    assert_eq!(curves.len(), 6 * 7);
+    assert!(
+        curves
+            .iter()
+            .all(|d| !d.is_beyond_noise() && !d.follows_from_other_steps)
     );
+    assert!(!location.is_empty());
+    assert!(
+        location
+            .iter()
+            .all(|d| d.follows_from_other_steps && !d.is_change())
+    );
+    let again = first.compare(&first).unwrap();
+    assert!(again.iter().all(|d| !d.follows_from_other_steps));
 }
 
 /// X measured from 60 mm on has its zero there: every difference of its positioning is what the first calibration has at
