@@ -180,9 +180,8 @@ fn from_points<'a>(
         (&points, &shown),
         (&found, &point_residuals),
     );
-    // Undeclared or rejected, the noise is what the residuals say.
-    let is_shown = shown.by_residuals || !adjustment.noise_declared;
-    if is_shown && adjustment.uncertainty_factor > 0.0 {
+    // Undeclared, the noise is what the residuals say; a mistake is to stand out of a declared one, which it makes fail.
+    if !adjustment.noise_declared && adjustment.uncertainty_factor > 0.0 {
         for residual in &mut point_residuals {
             residual.standardized /= adjustment.uncertainty_factor;
         }
@@ -228,7 +227,7 @@ impl Poses {
 
 impl<'a> MeasuredPoses<'a> {
     /// The residuals of all lengths, or of all coordinates that led to poses, in measuring order. Those of
-    /// coordinates are in units of the declared noise where all of it is declared and holds.
+    /// coordinates are in units of the declared noise where all of it is declared.
     pub fn residuals(&self) -> Vec<Residual> {
         let of_points = || self.point_residuals.clone();
         let lengths = self.lengths.as_ref();

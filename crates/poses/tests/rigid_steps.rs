@@ -36,7 +36,7 @@ fn hidden(seed: u64) -> Simulated {
 const STEP: usize = 30;
 const ELSEWHERE_MM: Vector3<f64> = Vector3::new(0.004, -0.002, 0.004);
 
-fn move_target(simulated: &mut Simulated) {
+fn move_target(simulated: &mut Simulated, by_mm: Vector3<f64>) {
     let campaign = &mut simulated.campaign;
     let positions = &campaign.steps[STEP].positions;
     let place = campaign.targets[1].home_mm + Vector3::from_column_slice(positions);
@@ -46,7 +46,7 @@ fn move_target(simulated: &mut Simulated) {
         let beam = (place - station).normalize();
         for reading in &mut lengths.readings[stop.readings.clone()] {
             if reading.target == 1 {
-                reading.length_mm += beam.dot(&ELSEWHERE_MM);
+                reading.length_mm += beam.dot(&by_mm);
             }
         }
     }
@@ -54,7 +54,7 @@ fn move_target(simulated: &mut Simulated) {
 
 /// One clean campaign in a hundred has a step that is not rigid by chance: more than three of forty have a probability
 /// of 8e-4. A target that was off by 6 µm, most of which is a motion of the whole, is found in nearly all; the seeds are fixed.
-/// Compared with the shape of its run, but with the noise of one of all runs, a third of the clean ones failed.
+/// Compared with the shape of its run, but with the noise of one of all runs, 24 of the forty clean ones failed.
 #[test]
 fn a_target_that_a_station_does_not_see_is_no_misfit() {
     const CAMPAIGNS: u64 = 40;
@@ -72,7 +72,7 @@ fn a_target_that_a_station_does_not_see_is_no_misfit() {
         if seed > CAMPAIGNS / 2 {
             continue;
         }
-        move_target(&mut simulated);
+        move_target(&mut simulated, ELSEWHERE_MM);
         let failing = misfits(&simulated, Method::Joint);
         let moved = failing
             .iter()
@@ -80,14 +80,31 @@ fn a_target_that_a_station_does_not_see_is_no_misfit() {
         let moved = moved.count();
         found += usize::from(moved == 1);
         others += usize::from(failing.len() > moved);
-        if seed == 1 {
-            // It is one test, whatever makes the poses.
-            let nine = misfits(&simulated, Method::Nine);
-            assert_eq!(nine.len(), failing.len(), "{nine:?} {failing:?}");
-        }
     }
     println!("{alarms} alarms of {CAMPAIGNS}, {found} moved targets found, {others} others");
     assert!(alarms <= 3, "{alarms}");
     assert!(found >= 18, "{found}");
     assert!(others <= 3, "{others}");
+}
+
+/// It is one test, whatever makes the poses, and however far the target was off.
+#[test]
+fn a_target_that_was_far_off_makes_no_other_step_fail() {
+    let text = include_str!("../../../campaigns/fxyz/scenario.json");
+    let mut simulated = simulate(&Scenario::from_json(text).unwrap(), 3).unwrap();
+    move_target(&mut simulated, Vector3::new(0.0, 0.02, 0.0));
+    for (method, robust) in [
+        (Method::Joint, true),
+        (Method::Joint, false),
+        (Method::Nine, true),
+    ] {
+        let settings = Settings {
+            method,
+            robust,
+            ..Settings::default()
+        };
+        let found = measure(&simulated.campaign, &settings).unwrap().misfits;
+        assert_eq!(found.len(), 1, "{method:?} {robust}: {found:?}");
+        assert!(found[0].step.contains("Y = 140 mm"), "{found:?}");
+    }
 }

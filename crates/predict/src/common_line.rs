@@ -85,7 +85,7 @@ impl Steps {
     pub(crate) fn function(&self, component: Component, position: f64) -> Function {
         let own = (position, Vector6::ith(component.index(), 1.0));
         match self {
-            Self::Line(line) if line.moves(component) => line.from_line(component, own),
+            Self::Line(line) if line.moves(component) => line.less_line(component, own),
             _ => vec![own],
         }
     }
@@ -166,7 +166,7 @@ impl CommonLine {
     }
 
     /// `f'(q)`, from `f(q)`.
-    fn from_line(&self, component: Component, own: (f64, Vector6<f64>)) -> Function {
+    fn less_line(&self, component: Component, own: (f64, Vector6<f64>)) -> Function {
         let effect = self.effects(own.0);
         let effect = effect.row(component.index() % 3);
         let shares = self.positions.iter().zip(&self.shares);
@@ -287,7 +287,7 @@ mod tests {
             let line = CommonLine::through(&axis, places.clone()).unwrap();
             for q in [places[1], far] {
                 let own = (q, Vector6::ith(component.index(), 1.0));
-                let left = value(&line.from_line(component, own));
+                let left = value(&line.less_line(component, own));
                 assert!(left.abs() < 1e-14, "{left}");
             }
             for i in 0..3 {

@@ -331,10 +331,9 @@ fn lies_elsewhere(
     component: LocationComponent,
     tilts: &Tilts<'_>,
 ) -> bool {
-    let lines = match (component, tilts.lines()) {
-        (LocationComponent::Tilt(_), Some(lines)) => lines,
+    let (LocationComponent::Tilt(_), Some(lines)) = (component, tilts.lines()) else {
         // The curves at home displace the targets, which have a part in the frame.
-        _ => return pairs.iter().any(|pair| pair.steps != Steps::Same),
+        return pairs.iter().any(|pair| pair.steps != Steps::Same);
     };
     let index = |pair: &Pair<'_>| pair.axes[1].axis;
     let enters = |pair: &&Pair<'_>| index(pair) == index(of) || lines.contains(&index(pair));

@@ -4,9 +4,10 @@
 //! step ([`trueaxis_multilateration::OwnShapes`]). Where the noise is estimated, that is compared with what is left:
 //!
 //! ```text
-//! F = (drop / d) / ((S - drop) / (ν - d))      with the degrees of freedom d of the step and ν of the variance of a length
+//! F = (drop / d) / ((S - drop) / (ν - d))
 //! ```
 //!
+//! with the degrees of freedom `d` of the step and `ν` of the adjustment; of the latter those count that tell the variance of a length.
 //! Steps that fail are freed, those first that fail most, and no longer bend the shape, the stations, and the noise for the others.
 
 use rayon::prelude::*;
@@ -26,8 +27,7 @@ const LEVEL: f64 = 0.01;
 /// this part of the largest drop fail by themselves.
 const BY_ITSELF: f64 = 0.5;
 
-/// The variance that is left, in units of that of the adjustment, is not smaller: where the noise has two parts, what is left
-/// of one is only nearly so.
+/// Lengths without noise leave rounding.
 const LEAST_VARIANCE: f64 = 1e-6;
 
 /// Steps that one thread takes at a time.
@@ -96,21 +96,24 @@ impl LengthsAdjustment<'_> {
     }
 }
 
-/// The noise that steps do not explain, in units of that of the adjustment.
+/// The noise that steps do not explain.
 #[derive(Clone, Copy)]
 struct LeftNoise {
+    /// Sum of squares of the adjustment in units of its noise, and its degrees of freedom.
     squares: f64,
-    /// Infinite where the noise was not estimated.
     degrees_of_freedom: f64,
+    /// The part of these that tell the variance of a length; infinite where the noise was not estimated.
+    part: f64,
 }
 
 impl LeftNoise {
-    /// The variance of a length was estimated with so many degrees of freedom.
-    fn new(solution: &Solution, degrees_of_freedom: f64) -> Self {
-        let unit = solution.squares / solution.degrees_of_freedom().max(1) as f64;
+    /// The variance of a length was estimated with `of_length` degrees of freedom.
+    fn new(solution: &Solution, of_length: f64) -> Self {
+        let degrees_of_freedom = solution.degrees_of_freedom() as f64;
         Self {
-            squares: unit * degrees_of_freedom,
+            squares: solution.squares,
             degrees_of_freedom,
+            part: of_length / degrees_of_freedom,
         }
     }
 
@@ -119,11 +122,12 @@ impl LeftNoise {
         Self {
             squares: self.squares - test.drop,
             degrees_of_freedom: self.degrees_of_freedom - test.degrees_of_freedom as f64,
+            ..self
         }
     }
 
     fn variance(self) -> f64 {
-        match self.degrees_of_freedom.is_finite() {
+        match self.part.is_finite() {
             true => (self.squares / self.degrees_of_freedom).max(LEAST_VARIANCE),
             false => 1.0,
         }
@@ -132,8 +136,10 @@ impl LeftNoise {
     fn p_value(self, test: &OwnShapeTest) -> f64 {
         let (left, degrees) = (self.degrees_of_freedom, test.degrees_of_freedom as f64);
         let chi_squared = test.drop / self.variance();
-        match left.is_finite() {
-            true if left > 0.0 => f_upper_tail(chi_squared / degrees, degrees, left),
+        match self.part.is_finite() {
+            true if left > 0.0 => {
+                f_upper_tail(chi_squared / degrees, degrees, left * self.part.min(1.0))
+            }
             true => 1.0,
             false => chi_squared_upper_tail(chi_squared, degrees),
         }
