@@ -51,9 +51,8 @@ fn off_steps(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Vec<Part> {
             steps[axis].push(step.positions[axis]);
         }
     }
-    for own in &mut steps {
-        own.sort_unstable_by(f64::total_cmp);
-    }
+    let all = steps.iter_mut();
+    all.for_each(|own| own.sort_unstable_by(f64::total_cmp));
     let first = |what: &str, said: &str, is_off: fn(&[f64], f64) -> bool| -> Option<Part> {
         let (step, axis) = poses.observations.iter().find_map(|pose| {
             let carriers = poses.bodies[pose.body].targets.iter();
@@ -67,17 +66,19 @@ fn off_steps(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Vec<Part> {
         let place = step_in_words(campaign, step);
         Some(Err(format!("{what}: {place}, {name} stood {said}")))
     };
-    let beyond = first(
-        "errors of axes beyond their steps",
-        "where it was not measured",
-        is_beyond,
-    );
-    let between = first(
-        "errors of parked axes between their steps",
-        "between two of its steps, whose errors are interpolated",
-        is_between,
-    );
-    beyond.into_iter().chain(between).collect()
+    let found = [
+        first(
+            "errors of axes beyond their steps",
+            "where it was not measured",
+            is_beyond,
+        ),
+        first(
+            "errors of parked axes between their steps",
+            "between two of its steps, whose errors are interpolated",
+            is_between,
+        ),
+    ];
+    found.into_iter().flatten().collect()
 }
 
 /// Whether a position lies outside some steps (rising).
@@ -92,10 +93,8 @@ const AT_STEP: f64 = 0.02;
 /// Whether a position lies between two of some steps (rising), not at one.
 fn is_between(steps: &[f64], position: f64) -> bool {
     let above = steps.partition_point(|step| *step < position);
-    let Some((low, high)) = above.checked_sub(1).map(|k| steps[k]).zip(steps.get(above)) else {
-        return false;
-    };
-    (position - low).min(high - position) > AT_STEP * (high - low)
+    let gap = above.checked_sub(1).map(|k| steps[k]).zip(steps.get(above));
+    gap.is_some_and(|(low, high)| (position - low).min(high - position) > AT_STEP * (high - low))
 }
 
 /// Of points: residuals of one visit show the instrument, but not where the machine would have stood at another. Lengths
