@@ -10,8 +10,8 @@
 //!
 //! the sum of squares of the whole adjustment drops by `gᵀ M⁻¹ g` at `d = A^(-1/2) M⁻¹ g`. It follows χ² if the body is
 //! rigid: this is Baarda's test of several errors at once, and `G Σ Gᵀ` all that the group has in common with others,
-//! stations, constants of reflectors, and the shape that is estimated from all. Points without the body are not
-//! needed: where few stations see a target, these depend on noise by more than a first derivative says.
+//! stations, constants of reflectors, and the shape that is estimated from all. Free points are not
+//! needed.
 //!
 //! A group that is freed no longer bends what all share. The shared unknowns then change by `t`, and the others are
 //! tested against that:

@@ -367,7 +367,7 @@ fn what_leaves_the_residuals_as_they_are_is_not_screened() {
 
 /// Of a triangle that is isosceles to 6 mm of 300 the mirror image has nearly the same sides. With P and Q exchanged everywhere the
 /// lengths fit a machine whose X moves in the other direction, and that alone was named; followed, it gave squareness with
-/// the wrong sign. The targets are then 17 mm off, which noise of micrometres makes of nothing.
+/// the wrong sign. The targets are then 35 mm off, which noise of micrometres never makes.
 #[test]
 fn what_makes_a_mirror_image_is_told_by_where_targets_are() {
     let (_, text) = SHIPPED.iter().find(|(name, _)| *name == "fxyz").unwrap();
