@@ -79,14 +79,14 @@ fn place(kind: AxisKind, position: f64) -> String {
 
 /// What average lines refer to of an axis that was measured at other positions.
 fn other_steps(axis: &str, kind: AxisKind, positions: Option<&[f64]>) -> String {
-    let measured = format!("{axis} was measured at other positions first than then");
+    let measured = format!("{axis} was measured at different positions in the two calibrations");
     let what = match kind {
         AxisKind::Linear => "straightness, and squareness to it, are from its average line through",
         AxisKind::Rotary => "what is across it is from its average axis at",
     };
     match positions.and_then(|all| Some((all.len(), all.first()?, all.last()?))) {
         Some((count, from, to)) => format!(
-            "{measured}: in both calibrations {what} {count} positions from {} to {}",
+            "{measured}: in both {what} {count} positions from {} to {}",
             place(kind, *from),
             place(kind, *to)
         ),

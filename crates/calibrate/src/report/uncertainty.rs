@@ -144,8 +144,7 @@ fn scale(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Part {
         }
         (None, None) if declared => Ok("scale of the instrument".to_owned()),
         (None, Some(_)) => Err(
-            "scale of the instrument: neither `scale_sigma_ppm` is declared nor \
-                                `known_lengths` tell it"
+            "scale of the instrument: neither `scale_sigma_ppm` nor `known_lengths` is declared"
                 .to_owned(),
         ),
         (None, None) => {
