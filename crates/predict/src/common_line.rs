@@ -85,7 +85,9 @@ impl Steps {
     pub(crate) fn function(&self, component: Component, position: f64) -> Function {
         let own = (position, Vector6::ith(component.index(), 1.0));
         match self {
-            Self::Line(line) if line.moves(component) => line.less_line(component, own),
+            Self::Line(line) if is_from_line(line.axis.kind(), component) => {
+                line.less_line(component, own)
+            }
             _ => vec![own],
         }
     }
@@ -160,11 +162,6 @@ impl CommonLine {
         Matrix3x4::from_columns(&[a, b, c, d]).transpose()
     }
 
-    /// Whether the line enters a component error.
-    fn moves(&self, component: Component) -> bool {
-        self.axis.kind() == AxisKind::Rotary || !component.is_angular()
-    }
-
     /// `f'(q)`, from `f(q)`.
     fn less_line(&self, component: Component, own: (f64, Vector6<f64>)) -> Function {
         let effect = self.effects(own.0);
@@ -196,6 +193,11 @@ impl CommonLine {
         };
         shares.map(of_position).collect()
     }
+}
+
+/// Whether the average line or axis enters a component error of an axis.
+pub(crate) fn is_from_line(kind: AxisKind, component: Component) -> bool {
+    kind == AxisKind::Rotary || !component.is_angular()
 }
 
 /// Coefficients of translations, or of angles, among those of all six.

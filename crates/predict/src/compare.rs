@@ -12,7 +12,7 @@
 use trueaxis_kinematics::{AxisKind, Component, LocationComponent};
 
 use crate::calibrated_machine::{CalibratedAxis, CalibratedMachine};
-use crate::common_line::{Function, Steps, Tilts};
+use crate::common_line::{Function, Steps, Tilts, is_from_line};
 
 /// Standard uncertainties beyond which a difference is not noise: normal noise exceeds them once in 150,000, so that
 /// of a thousand differences, however they go together, one does with a probability below 1 %.
@@ -129,7 +129,7 @@ impl CalibratedMachine {
             let [a, b] = *axes;
             let axis = &second.machine.axes()[b.axis];
             for component in Component::ALL {
-                let is_across = axis.kind() == AxisKind::Rotary || !component.is_angular();
+                let is_open = is_from_line(axis.kind(), component) && *steps == Steps::Other;
                 for position in b.curve.steps() {
                     if a.curve.at(position).beyond > 0.0 {
                         continue;
@@ -148,7 +148,7 @@ impl CalibratedMachine {
                         is_angular: component.is_angular(),
                         first,
                         second,
-                        follows_from_other_steps: is_across && *steps == Steps::Other,
+                        follows_from_other_steps: is_open,
                         u: u_a.hypot(u_b) + unknown,
                     });
                 }

@@ -9,7 +9,7 @@
 //! stations, dead paths, shapes of targets, the scale of the machine's other axes in its frame. `U` has a row for
 //! each result and a column for each of these; `M` is symmetric and, as a gauge takes noise away, not definite.
 
-use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector6};
+use nalgebra::{DMatrix, DVector, Matrix6, Matrix6xX, Vector6};
 
 use crate::sensitivities::{Rows, Sensitivities};
 
@@ -83,9 +83,23 @@ impl FactoredCovariance {
 
     /// Standard uncertainty of a linear function of the results, given by the places of results and coefficients.
     pub fn u(&self, function: &[(usize, f64)]) -> f64 {
-        let first_of_six = |&(place, c): &(usize, f64)| (place, Vector6::ith(0, c));
-        let six: Vec<_> = function.iter().map(first_of_six).collect();
-        self.of_functions(&six, &six)[(0, 0)].max(0.0).sqrt()
+        let mut through = DVector::zeros(self.shared.nrows());
+        let mut of_nodes: Vec<(usize, Vector6<f64>)> = Vec::with_capacity(function.len());
+        for &(place, c) in function {
+            for (column, x) in self.sensitivities.row(place) {
+                through[column] += x * c;
+            }
+            if place < 6 * self.own.len() {
+                of_nodes.push((place / 6, Vector6::ith(place % 6, c)));
+            }
+        }
+        of_nodes.sort_by_key(|(node, _)| *node);
+        let own = of_nodes.chunk_by(|a, b| a.0 == b.0).map(|of_node| {
+            let c: Vector6<f64> = of_node.iter().map(|(_, c)| c).sum();
+            c.dot(&(self.own[of_node[0].0] * c))
+        });
+        let variance = through.dot(&(&self.shared * &through)) + own.sum::<f64>();
+        variance.max(0.0).sqrt()
     }
 
     /// Covariance of six functions with six others: coefficients of the results in all six.

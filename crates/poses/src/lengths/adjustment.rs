@@ -76,10 +76,8 @@ impl<'a> LengthsAdjustment<'a> {
         );
         let screened =
             adjusted.map_err(|error| screening_error(campaign, lengths, &groups, error))?;
-        let screened = match side_by_side(campaign, lengths, settings, &network, &screened) {
-            Some(apart) => apart,
-            None => screened,
-        };
+        let apart = side_by_side(campaign, lengths, settings, &network, &screened);
+        let screened = apart.unwrap_or(screened);
         let mut adjustment = Self {
             campaign,
             lengths,
