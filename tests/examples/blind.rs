@@ -15,9 +15,9 @@
 
 use std::collections::BTreeMap;
 
-use rayon::prelude::*;
 use trueaxis_diagnose::{Diagnosis, Rival, Settings, Verdict, diagnose};
 use trueaxis_tests::blind::{self, Hidden, Kind};
+use trueaxis_tests::in_parallel;
 
 /// What a diagnosis says of one campaign.
 struct Outcome {
@@ -43,11 +43,11 @@ fn main() {
     let mut inside = (0, 0);
     for name in &names {
         let started = std::time::Instant::now();
-        let outcomes: Vec<Outcome> = seeds
-            .clone()
-            .into_par_iter()
-            .filter_map(|seed| outcome(name, seed, strength))
-            .collect();
+        let outcomes: Vec<Outcome> =
+            in_parallel(seeds.clone(), |seed| outcome(name, seed, strength))
+                .into_iter()
+                .flatten()
+                .collect();
         let mut labels = BTreeMap::<&str, usize>::new();
         let (mut right, mut held) = (0, 0);
         for outcome in &outcomes {

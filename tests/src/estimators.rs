@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::Range;
 
-use rayon::prelude::*;
 use trueaxis_calibrate::{Method, Settings, calibrate};
 use trueaxis_simulate::{NoiseSpec, Scenario, simulate};
 
-use crate::{Kind, Scatter};
+use crate::{Kind, Scatter, in_parallel};
 
 /// The methods by name. What the first states for exact lengths with known noise is the bound for all.
 pub const METHODS: [(&str, Method); 2] = [("joint", Method::Joint), ("nine", Method::Nine)];
@@ -69,7 +68,7 @@ pub fn scatter(
         scatter.add(&calibration, &simulated.truth);
         Ok(scatter.campaigns)
     };
-    let campaigns: Result<Vec<_>, String> = seeds.into_par_iter().map(one).collect();
+    let campaigns: Result<Vec<_>, String> = in_parallel(seeds, one).into_iter().collect();
     Ok(Scatter {
         campaigns: campaigns?.concat(),
     })

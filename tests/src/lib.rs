@@ -4,10 +4,12 @@
 
 pub mod blind;
 pub mod estimators;
+mod in_parallel;
 mod kind;
 mod scatter;
 pub mod verification;
 
+pub use in_parallel::in_parallel;
 pub use kind::Kind;
 pub use scatter::{Estimate, Pooled, Scatter};
 

@@ -1,6 +1,5 @@
 //! Runs of one axis that contradict each other because another axis stood elsewhere: the coupling is named.
 
-use rayon::prelude::*;
 use trueaxis_diagnose::{
     Against, Cause, Diagnosis, EstimatedParameter, FittedPoint, Settings, Verdict, diagnose,
 };
@@ -8,6 +7,7 @@ use trueaxis_kinematics::Component;
 use trueaxis_simulate::{Scenario, simulate};
 
 use crate::contradicting_runs::scenario;
+use trueaxis_tests::in_parallel;
 
 fn diagnosed(scenario: &Scenario, seed: u64) -> Diagnosis {
     let settings = Settings {
@@ -65,10 +65,7 @@ fn shows_its_effect(cause: &Cause) -> bool {
 fn count(corner_um: f64, seeds: std::ops::Range<u64>) -> Count {
     let scenario = scenario(corner_um);
     let truth = corner_um / (0.44 * 0.4);
-    let diagnoses: Vec<Diagnosis> = seeds
-        .into_par_iter()
-        .map(|seed| diagnosed(&scenario, seed))
-        .collect();
+    let diagnoses: Vec<Diagnosis> = in_parallel(seeds, |seed| diagnosed(&scenario, seed));
     let mut count = Count::default();
     for diagnosis in &diagnoses {
         count.campaigns += 1;
@@ -156,7 +153,7 @@ fn couplings_are_named_with_their_coefficient() {
 /// Runs that agree: in how many campaigns they are said not to. Alarms of the lengths themselves are printed, too.
 fn alarms(seeds: std::ops::Range<u64>) -> usize {
     let scenario = scenario(0.0);
-    let alarms = seeds.into_par_iter().filter(|&seed| {
+    let alarms = in_parallel(seeds, |seed| {
         let diagnosis = diagnosed(&scenario, seed);
         assert!(
             diagnosis
@@ -175,7 +172,9 @@ fn alarms(seeds: std::ops::Range<u64>) -> usize {
             );
         }
         is_alarm
-    });
+    })
+    .into_iter()
+    .filter(|&is| is);
     let alarms = alarms.count();
     println!("{alarms} alarms");
     alarms

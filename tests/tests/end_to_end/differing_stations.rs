@@ -3,12 +3,12 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use rayon::prelude::*;
 use trueaxis_calibrate::{Settings as Calibrating, calibrate};
 use trueaxis_campaign::Campaign;
 use trueaxis_diagnose::{Diagnosis, Rival, Settings, Verdict, diagnose};
 use trueaxis_effects::Layer;
 use trueaxis_tests::blind::{self, Kind};
+use trueaxis_tests::in_parallel;
 
 fn diagnosed(campaign: &Campaign) -> Diagnosis {
     let settings = Settings {
@@ -73,11 +73,13 @@ fn a_station_that_scatters_more_names_nothing() {
 #[ignore = "study: 300 diagnoses"]
 fn stations_that_scatter_more_hardly_ever_name_anything() {
     for sigma_um in [0.5, 1.0, 3.0] {
-        let alarms = (0..100_u64).into_par_iter().filter(|&seed| {
+        let alarms = in_parallel(0..100_u64, |seed| {
             let mut campaign = blind::campaign(&Kind::three_axis(), &[], 400 + seed);
             scattered(&mut campaign, sigma_um, seed);
             diagnosed(&campaign).verdict != Verdict::Clean
-        });
+        })
+        .into_iter()
+        .filter(|&is| is);
         let alarms = alarms.count();
         println!("{sigma_um} µm: {alarms} of 100 alarm");
         assert!(alarms < 8, "{sigma_um} µm: {alarms}");

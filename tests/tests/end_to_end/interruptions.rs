@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use rayon::prelude::*;
 use trueaxis_calibrate::{Calibration, Settings, calibrate};
 use trueaxis_tests::blind::{self, Kind};
+use trueaxis_tests::in_parallel;
 
 /// Campaigns in which an occupation is split, of those that are not refused, and their number.
 fn cut(effect: &str, strength: f64, seeds: u64) -> [usize; 2] {
@@ -69,10 +69,8 @@ fn swings(seeds: std::ops::Range<u64>, amplitudes_um: &[f64]) -> (Vec<String>, u
         .flat_map(|seed| amplitudes_um.iter().map(move |&um| (seed, um)))
         .flat_map(|(seed, um)| [0.125, 0.25, 0.5, 1.0].map(|period| (seed, um, period)))
         .collect();
-    let found: Vec<Option<Calibration>> = cases
-        .par_iter()
-        .map(|&(seed, um, period)| swinging(seed, um, period))
-        .collect();
+    let found: Vec<Option<Calibration>> =
+        in_parallel(&cases, |&(seed, um, period)| swinging(seed, um, period));
     let (mut interrupted, mut told) = (Vec::new(), 0);
     for ((seed, um, period), found) in cases.iter().zip(&found) {
         let Some(found) = found else { continue };
@@ -124,30 +122,27 @@ struct Said {
 
 /// Counts it over campaigns that are clean otherwise.
 fn jumps(um: f64, seeds: std::ops::Range<u64>) -> Said {
-    let found: Vec<_> = seeds
-        .into_par_iter()
-        .map(|seed| {
-            let mut campaign = blind::campaign(&Kind::three_axis(), &[], seed);
-            let lengths = campaign.lengths.as_mut().unwrap();
-            let station = usize::try_from(seed % 4).unwrap();
-            let stops: Vec<_> = lengths
-                .stops
-                .iter()
-                .filter(|stop| stop.station == station)
-                .map(|stop| stop.readings.clone())
-                .collect();
-            let first = 10 + usize::try_from(seed * 7919).unwrap() % (stops.len() - 20);
-            for stop in &stops[first..] {
-                for reading in &mut lengths.readings[stop.clone()] {
-                    reading.length_mm += 1e-3 * um;
-                }
+    let found: Vec<_> = in_parallel(seeds, |seed| {
+        let mut campaign = blind::campaign(&Kind::three_axis(), &[], seed);
+        let lengths = campaign.lengths.as_mut().unwrap();
+        let station = usize::try_from(seed % 4).unwrap();
+        let stops: Vec<_> = lengths
+            .stops
+            .iter()
+            .filter(|stop| stop.station == station)
+            .map(|stop| stop.readings.clone())
+            .collect();
+        let first = 10 + usize::try_from(seed * 7919).unwrap() % (stops.len() - 20);
+        for stop in &stops[first..] {
+            for reading in &mut lengths.readings[stop.clone()] {
+                reading.length_mm += 1e-3 * um;
             }
-            (
-                calibrate(&campaign, &Settings::default()).ok(),
-                stops[first].start,
-            )
-        })
-        .collect();
+        }
+        (
+            calibrate(&campaign, &Settings::default()).ok(),
+            stops[first].start,
+        )
+    });
     let mut said = Said::default();
     for (found, first) in found {
         let Some(found) = found else {

@@ -6,11 +6,11 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 use trueaxis_calibrate::{Method, Settings, calibrate};
 use trueaxis_campaign::Campaign;
 use trueaxis_simulate::{Scenario, simulate};
 use trueaxis_tests::estimators::{METHODS, SCENARIOS};
+use trueaxis_tests::in_parallel;
 
 const WRONG_MM: f64 = 8e-3;
 
@@ -70,10 +70,9 @@ fn counts(method: Method, campaigns: u64) -> Counts {
         neighbours: a.neighbours + b.neighbours,
         clean_that_lose: a.clean_that_lose + b.clean_that_lose,
     };
-    (0..campaigns)
-        .into_par_iter()
-        .map(one)
-        .reduce(Counts::default, sum)
+    in_parallel(0..campaigns, one)
+        .into_iter()
+        .fold(Counts::default(), sum)
 }
 
 /// What is claimed of the joint adjustment alone.

@@ -4,12 +4,11 @@ use nalgebra::{Isometry3, Point3, Vector6};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
-use rayon::prelude::*;
 use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_kinematics::{Branch, Component, GeometricErrors, Ideal, Machine};
 use trueaxis_predict::CalibratedMachine;
 use trueaxis_simulate::{Scenario, Term, TrueMachine, simulate};
-use trueaxis_tests::{Deviation, Kind, Pooled, Scatter};
+use trueaxis_tests::{Deviation, Kind, Pooled, Scatter, in_parallel};
 
 const SCENARIOS: [(&str, &str); 2] = [
     (
@@ -159,10 +158,7 @@ fn deviations(
 
 /// At steps and between them, clustered by machine.
 fn pooled(text: &str, machines: u64, poses: usize) -> [Pooled; 2] {
-    let compared: Vec<Compared> = (0..machines)
-        .into_par_iter()
-        .map(|seed| compared(text, seed, poses))
-        .collect();
+    let compared: Vec<Compared> = in_parallel(0..machines, |seed| compared(text, seed, poses));
     let (mut at_steps, mut between) = (Scatter::default(), Scatter::default());
     for machine in compared {
         at_steps.campaigns.push(machine.at_steps);
@@ -261,7 +257,7 @@ fn pooled_outside(text: &str, are_waves: bool, machines: u64, beyond: f64) -> Po
         let scenario = curves(text, are_waves, &mut ChaCha8Rng::seed_from_u64(seed));
         outside(&scenario, seed, beyond)
     };
-    let campaigns = (0..machines).into_par_iter().map(of_machine).collect();
+    let campaigns = in_parallel(0..machines, of_machine);
     Scatter { campaigns }.pooled(|_| true)
 }
 

@@ -1,9 +1,9 @@
 //! A machine that grows with a logged temperature, and one that does not.
 
-use rayon::prelude::*;
 use serde_json::{Value, json};
 use trueaxis_diagnose::{Cause, Diagnosis, Settings, diagnose};
 use trueaxis_simulate::{Scenario, simulate};
+use trueaxis_tests::in_parallel;
 
 const COLUMN: &str = "machine_temp_spindle_c";
 
@@ -68,37 +68,34 @@ fn is_named(cause: &Cause) -> bool {
 /// Of so many campaigns in how many the column is named, the coefficients along X, Y, Z are inside their 95 %
 /// intervals, and the lag as well.
 fn count(seeds: std::ops::Range<u64>) -> (usize, usize, usize) {
-    let outcomes: Vec<(bool, bool, usize)> = seeds
-        .into_par_iter()
-        .map(|seed| {
-            let (g, effects) = growth(seed);
-            let diagnosis = diagnosed(&scenario(seed, COLUMN, effects), seed);
-            let cause = diagnosis.causes.iter().find(|cause| is_named(cause));
-            let Some(cause) = cause else {
-                let found = diagnosis.causes.iter().map(|c| c.effect.effect.id);
-                println!(
-                    "{seed}: {} {:?}",
-                    diagnosis.verdict.name(),
-                    found.collect::<Vec<_>>()
-                );
-                return (false, false, 0);
-            };
-            let follows = cause.follows(&diagnosis.scene).unwrap();
-            assert_eq!((follows.column, follows.is_plausible), (COLUMN, true));
-            let inside = (0..3).filter(|&k| {
-                let p = &cause.parameters[k];
-                (p.value - g[k]).abs() <= 1.96 * p.u
-            });
-            let inside = inside.count();
+    let outcomes: Vec<(bool, bool, usize)> = in_parallel(seeds, |seed| {
+        let (g, effects) = growth(seed);
+        let diagnosis = diagnosed(&scenario(seed, COLUMN, effects), seed);
+        let cause = diagnosis.causes.iter().find(|cause| is_named(cause));
+        let Some(cause) = cause else {
+            let found = diagnosis.causes.iter().map(|c| c.effect.effect.id);
             println!(
-                "{seed}: {g:?} {:?} {} causes",
-                cause.parameters,
-                diagnosis.causes.len()
+                "{seed}: {} {:?}",
+                diagnosis.verdict.name(),
+                found.collect::<Vec<_>>()
             );
-            let z = &cause.parameters[2];
-            (true, (z.value - g[2]).abs() <= 1.96 * z.u, inside)
-        })
-        .collect();
+            return (false, false, 0);
+        };
+        let follows = cause.follows(&diagnosis.scene).unwrap();
+        assert_eq!((follows.column, follows.is_plausible), (COLUMN, true));
+        let inside = (0..3).filter(|&k| {
+            let p = &cause.parameters[k];
+            (p.value - g[k]).abs() <= 1.96 * p.u
+        });
+        let inside = inside.count();
+        println!(
+            "{seed}: {g:?} {:?} {} causes",
+            cause.parameters,
+            diagnosis.causes.len()
+        );
+        let z = &cause.parameters[2];
+        (true, (z.value - g[2]).abs() <= 1.96 * z.u, inside)
+    });
     let named = outcomes.iter().filter(|o| o.0).count();
     let inside = outcomes.iter().filter(|o| o.1).count();
     let all = outcomes.iter().map(|o| o.2).sum();
@@ -135,7 +132,7 @@ fn by_time(seed: u64) -> Value {
 
 /// In how many campaigns a temperature is named that has nothing to do with what happens.
 fn wrongly_named(seeds: std::ops::Range<u64>) -> usize {
-    let wrong = seeds.into_par_iter().filter(|&seed| {
+    let wrong = in_parallel(seeds, |seed| {
         // Every other machine is in order.
         let effects = if seed.is_multiple_of(2) {
             by_time(seed)
@@ -148,7 +145,9 @@ fn wrongly_named(seeds: std::ops::Range<u64>) -> usize {
             println!("{seed}: {:?}", diagnosis.causes[0].effect.effect.id);
         }
         named
-    });
+    })
+    .into_iter()
+    .filter(|&is| is);
     let wrong = wrong.count();
     println!("{wrong} wrongly named");
     wrong

@@ -1,11 +1,11 @@
 //! A machine that moves and a tripod that moves are the same in the lengths, unless targets on the bed are read.
 
 use nalgebra::{DMatrix, DVector, Vector3};
-use rayon::prelude::*;
 use trueaxis_campaign::Stop;
 use trueaxis_diagnose::{Diagnosis, Settings, Verdict, diagnose};
 use trueaxis_effects::Level;
 use trueaxis_tests::blind::{self, Act, Course, Hidden, Kind};
+use trueaxis_tests::in_parallel;
 
 /// What is drawn, its name, and its twin.
 const TWINS: [(&str, &str, &str); 4] = [
@@ -54,7 +54,7 @@ fn assert_told_apart(strength: f64, seeds: std::ops::Range<u64>, least: usize) {
     let mut too_few = Vec::new();
     for (drawn, name, twin) in TWINS {
         let named = |seed: u64| named(&diagnosed(&[hidden(drawn, seed, strength)], seed));
-        let all: Vec<Vec<&str>> = seeds.clone().into_par_iter().map(named).collect();
+        let all: Vec<Vec<&str>> = in_parallel(seeds.clone(), named);
         let (told, other): (Vec<_>, Vec<_>) = all
             .iter()
             .partition(|ids| ids.contains(&name) && !ids.contains(&twin));
@@ -87,13 +87,13 @@ fn bed_targets_tell_the_machine_from_the_tripod_in_twenty_campaigns() {
 /// A bed that stands still raises no alarm: one of six does at a rate of 1.2 % with a probability of 7 %.
 #[test]
 fn a_bed_at_rest_is_clean() {
-    let alarms: Vec<(u64, String)> = (0..6_u64)
-        .into_par_iter()
-        .filter_map(|seed| {
-            let verdict = diagnosed(&[], 700 + seed).verdict;
-            (verdict != Verdict::Clean).then(|| (seed, verdict.name().to_owned()))
-        })
-        .collect();
+    let alarms: Vec<(u64, String)> = in_parallel(0..6_u64, |seed| {
+        let verdict = diagnosed(&[], 700 + seed).verdict;
+        (verdict != Verdict::Clean).then(|| (seed, verdict.name().to_owned()))
+    })
+    .into_iter()
+    .flatten()
+    .collect();
     assert!(alarms.is_empty(), "{alarms:?}");
 }
 
@@ -137,7 +137,7 @@ fn two_thirds_of_a_shift_tell_it_from_a_jump() {
             .collect();
         left_by(&jumps, &shift, seed)
     };
-    let mut all: Vec<f64> = (0..20_u64).into_par_iter().map(left).collect();
+    let mut all: Vec<f64> = in_parallel(0..20_u64, left);
     all.sort_by(f64::total_cmp);
     println!("{all:.2?}");
     assert!(all[0] > 0.4 && all[10] > 0.6);

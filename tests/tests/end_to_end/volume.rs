@@ -1,11 +1,11 @@
 //! Volumetric errors of calibrated machines against the exact truth.
 
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
-use rayon::prelude::*;
 use trueaxis_calibrate::{Settings, calibrate};
 use trueaxis_kinematics::{Ideal, MICROMETRE};
 use trueaxis_predict::{Places, VolumeSettings};
 use trueaxis_simulate::{Scenario, TrueMachine, simulate};
+use trueaxis_tests::in_parallel;
 
 const TOOL: [f64; 3] = [175.6, 497.5, 312.1];
 
@@ -85,7 +85,7 @@ fn of_campaign(seed: u64) -> Vec<(f64, [f64; 2], f64, f64)> {
 /// fixed.
 #[test]
 fn intervals_hold_the_true_figures() {
-    let campaigns: Vec<_> = (0..40).into_par_iter().map(of_campaign).collect();
+    let campaigns: Vec<_> = in_parallel(0..40, of_campaign);
     let count = campaigns.len() as f64;
     let mut inside_all = 0.0;
     for k in 0..9 {

@@ -2,11 +2,11 @@
 //!
 //! The fast part of the studies of docs/diagnosis.md (`examples/blind.rs`).
 
-use rayon::prelude::*;
 use trueaxis_campaign::Campaign;
 use trueaxis_diagnose::{Diagnosis, Rival, Settings, Verdict, Wandering, diagnose};
 use trueaxis_effects::Level;
 use trueaxis_tests::blind::{self, Hidden, Kind};
+use trueaxis_tests::in_parallel;
 
 fn both_sides() -> Kind {
     Kind::three_axis().forward_and_backward()
@@ -67,9 +67,8 @@ fn lost_motion_keeps_its_name_in_a_hall_that_breathes() {
 #[test]
 fn what_no_catalogue_has_is_told_by_what_wanders() {
     let kind = Kind::three_axis();
-    let wrong: Vec<String> = ["air_conditioning", "tripod_sway", "cross_talk"]
-        .into_par_iter()
-        .filter_map(|name| {
+    let wrong: Vec<String> =
+        in_parallel(["air_conditioning", "tripod_sway", "cross_talk"], |name| {
             let seed = 310;
             let hidden = hide(&kind, name, seed, 20.0);
             let diagnosis = diagnosed(&kind, std::slice::from_ref(&hidden), seed);
@@ -84,6 +83,8 @@ fn what_no_catalogue_has_is_told_by_what_wanders() {
             let is_unknown = diagnosis.verdict == Verdict::Unknown && names(&diagnosis).is_empty();
             (!is_unknown || !right).then(|| format!("{name}: {own:?}"))
         })
+        .into_iter()
+        .flatten()
         .collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
     let control = diagnosed(&kind, &[], 310);
@@ -109,22 +110,22 @@ fn what_other_axes_do_with_time_is_told() {
 }
 
 fn assert_axes_are_told(cases: &[(&str, u64, [&str; 2])]) {
-    let wrong: Vec<String> = cases
-        .par_iter()
-        .filter_map(|&(name, seed, with)| {
-            let kind = match name {
-                "loosening_drive" => both_sides(),
-                _ => Kind::three_axis(),
-            };
-            let hidden = hide(&kind, name, seed, 40.0);
-            let diagnosis = diagnosed(&kind, std::slice::from_ref(&hidden), seed);
-            let is_it =
-                |whose: &Wandering| whose.varies_with == with && whose.subject.axis == hidden.axis;
-            let is_told = diagnosis.disturbances.iter().any(|own| is_it(&own.whose));
-            let is_other = names(&diagnosis).iter().any(|name| *name != "backlash");
-            (!is_told || is_other).then(|| format!("{name}, seed {seed}: {:?}", names(&diagnosis)))
-        })
-        .collect();
+    let wrong: Vec<String> = in_parallel(cases, |&(name, seed, with)| {
+        let kind = match name {
+            "loosening_drive" => both_sides(),
+            _ => Kind::three_axis(),
+        };
+        let hidden = hide(&kind, name, seed, 40.0);
+        let diagnosis = diagnosed(&kind, std::slice::from_ref(&hidden), seed);
+        let is_it =
+            |whose: &Wandering| whose.varies_with == with && whose.subject.axis == hidden.axis;
+        let is_told = diagnosis.disturbances.iter().any(|own| is_it(&own.whose));
+        let is_other = names(&diagnosis).iter().any(|name| *name != "backlash");
+        (!is_told || is_other).then(|| format!("{name}, seed {seed}: {:?}", names(&diagnosis)))
+    })
+    .into_iter()
+    .flatten()
+    .collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
@@ -133,22 +134,22 @@ fn assert_axes_are_told(cases: &[(&str, u64, [&str; 2])]) {
 #[test]
 fn what_sways_is_a_rival_of_the_drift_that_it_looks_like() {
     let kind = Kind::three_axis();
-    let missed: Vec<String> = (3010..3016_u64)
-        .into_par_iter()
-        .filter_map(|seed| {
-            let hidden = hide(&kind, "tripod_sway", seed, 10.0);
-            let diagnosis = diagnosed(&kind, std::slice::from_ref(&hidden), seed);
-            let is_it = |whose: &Wandering| whose.subject.station == hidden.station;
-            let is_told = diagnosis.disturbances.iter().any(|own| is_it(&own.whose));
-            let mut rivals = diagnosis.causes.iter().flat_map(|cause| &cause.rivals);
-            let is_rival = rivals.any(|rival| match rival {
-                Rival::Disturbance { whose, .. } => is_it(whose),
-                Rival::Effect { .. } => false,
-            });
-            let is_named = diagnosis.verdict == Verdict::Named;
-            (is_named || !is_told && !is_rival).then(|| format!("{seed}: {:?}", names(&diagnosis)))
-        })
-        .collect();
+    let missed: Vec<String> = in_parallel(3010..3016_u64, |seed| {
+        let hidden = hide(&kind, "tripod_sway", seed, 10.0);
+        let diagnosis = diagnosed(&kind, std::slice::from_ref(&hidden), seed);
+        let is_it = |whose: &Wandering| whose.subject.station == hidden.station;
+        let is_told = diagnosis.disturbances.iter().any(|own| is_it(&own.whose));
+        let mut rivals = diagnosis.causes.iter().flat_map(|cause| &cause.rivals);
+        let is_rival = rivals.any(|rival| match rival {
+            Rival::Disturbance { whose, .. } => is_it(whose),
+            Rival::Effect { .. } => false,
+        });
+        let is_named = diagnosis.verdict == Verdict::Named;
+        (is_named || !is_told && !is_rival).then(|| format!("{seed}: {:?}", names(&diagnosis)))
+    })
+    .into_iter()
+    .flatten()
+    .collect();
     assert!(missed.len() < 2, "{missed:#?}");
 }
 
@@ -159,14 +160,14 @@ fn a_hall_that_breathes_is_no_stack_of_causes() {
     let cases: Vec<(u64, f64)> = (320..324)
         .flat_map(|seed| [(seed, 5.0), (seed, 7.0)])
         .collect();
-    let stacked: Vec<String> = cases
-        .into_par_iter()
-        .filter_map(|(seed, strength)| {
-            let hall = hide(&kind, "air_conditioning", seed, strength);
-            let names = names(&diagnosed(&kind, &[hall], seed));
-            (names.len() > 1).then(|| format!("seed {seed}, λ = {strength}: {names:?}"))
-        })
-        .collect();
+    let stacked: Vec<String> = in_parallel(cases, |(seed, strength)| {
+        let hall = hide(&kind, "air_conditioning", seed, strength);
+        let names = names(&diagnosed(&kind, &[hall], seed));
+        (names.len() > 1).then(|| format!("seed {seed}, λ = {strength}: {names:?}"))
+    })
+    .into_iter()
+    .flatten()
+    .collect();
     assert!(stacked.is_empty(), "{stacked:#?}");
 }
 
@@ -176,9 +177,9 @@ fn a_hall_that_breathes_is_no_stack_of_causes() {
 fn many_wrong_lengths_are_left_out_and_name_nothing() {
     let kind = Kind::three_axis();
     let slip = || hide(&kind, "target_slip", 343, 40.0);
-    let wrong: Vec<String> = [(340, false), (341, false), (342, false), (343, true)]
-        .into_par_iter()
-        .filter_map(|(seed, slips)| {
+    let wrong: Vec<String> = in_parallel(
+        [(340, false), (341, false), (342, false), (343, true)],
+        |(seed, slips)| {
             let hidden: Vec<_> = slips.then(slip).into_iter().collect();
             let mut campaign = blind::campaign(&kind, &hidden, seed);
             let readings = &mut campaign.lengths.as_mut().unwrap().readings;
@@ -197,8 +198,11 @@ fn many_wrong_lengths_are_left_out_and_name_nothing() {
                 false => diagnosis.verdict == Verdict::Clean,
             };
             (!right).then(|| format!("{seed}: {} {causes:?}", diagnosis.verdict.name()))
-        })
-        .collect();
+        },
+    )
+    .into_iter()
+    .flatten()
+    .collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
@@ -206,33 +210,36 @@ fn many_wrong_lengths_are_left_out_and_name_nothing() {
 #[test]
 fn one_wrong_length_is_left_out_and_names_nothing() {
     let kind = Kind::three_axis();
-    let wrong: Vec<String> = [
-        (330, 700, 0.0),
-        (330, 700, 0.008),
-        (331, 1500, -0.05),
-        (332, 40, 0.3),
-        (333, 2300, 5.0),
-    ]
-    .into_par_iter()
-    .filter_map(|(seed, number, by_mm)| {
-        let mut campaign = blind::campaign(&kind, &[], seed);
-        let reading = &mut campaign.lengths.as_mut().unwrap().readings[number];
-        reading.length_mm += by_mm;
-        let line = reading.line.to_string();
-        let diagnosis = diagnosed_campaign(&campaign);
-        let is_told = diagnosis
-            .notices
-            .iter()
-            .any(|text| text.ends_with(&format!("line(s) {line}")));
-        let right = diagnosis.verdict == Verdict::Clean && is_told == (by_mm != 0.0);
-        let verdict = diagnosis.verdict.name();
-        (!right).then(|| {
-            format!(
-                "{by_mm} mm: {verdict} {:?} {:?}",
-                diagnosis.notices, diagnosis.unexplained
-            )
-        })
-    })
+    let wrong: Vec<String> = in_parallel(
+        [
+            (330, 700, 0.0),
+            (330, 700, 0.008),
+            (331, 1500, -0.05),
+            (332, 40, 0.3),
+            (333, 2300, 5.0),
+        ],
+        |(seed, number, by_mm)| {
+            let mut campaign = blind::campaign(&kind, &[], seed);
+            let reading = &mut campaign.lengths.as_mut().unwrap().readings[number];
+            reading.length_mm += by_mm;
+            let line = reading.line.to_string();
+            let diagnosis = diagnosed_campaign(&campaign);
+            let is_told = diagnosis
+                .notices
+                .iter()
+                .any(|text| text.ends_with(&format!("line(s) {line}")));
+            let right = diagnosis.verdict == Verdict::Clean && is_told == (by_mm != 0.0);
+            let verdict = diagnosis.verdict.name();
+            (!right).then(|| {
+                format!(
+                    "{by_mm} mm: {verdict} {:?} {:?}",
+                    diagnosis.notices, diagnosis.unexplained
+                )
+            })
+        },
+    )
+    .into_iter()
+    .flatten()
     .collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
 }

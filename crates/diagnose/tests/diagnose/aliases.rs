@@ -27,7 +27,7 @@ fn says_lost_motion(found: &Diagnosis) -> bool {
 fn a_drift_over_two_cycles_is_no_worn_drive() {
     for (seed, timed) in [(0, true), (1, false), (2, false)] {
         let mut generator = generator(seed, 120);
-        let found = found(line((2, 400.0, timed), 0.0, |place| {
+        let found = found(line((2, 400.0, timed), 0.0, &mut |place| {
             let noise: f64 = StandardNormal.sample(&mut generator);
             0.5 * noise - 7.5 * place.time_s / 440.0 - 0.5 * place.side() * 4.0
         }));
@@ -46,7 +46,7 @@ fn a_drift_over_two_cycles_is_no_worn_drive() {
 fn a_cycle_with_another_zero_does_not_hide_lost_motion() {
     for seed in 0..3 {
         let mut generator = generator(seed, 121);
-        let found = found(line((5, 400.0, false), 0.0, |place| {
+        let found = found(line((5, 400.0, false), 0.0, &mut |place| {
             let noise: f64 = StandardNormal.sample(&mut generator);
             let zero_um = if place.cycle == 3 { 6.0 } else { 0.0 };
             0.5 * noise + zero_um - 0.5 * place.side() * 4.0
@@ -70,7 +70,7 @@ fn unknown_pauses_are_in_the_uncertainty() {
     for (seed, timed) in [(0, false), (1, false), (2, true)] {
         let mut generator = generator(seed, 122);
         let last_s = STOP_S * 110.0 + 4.0 * 600.0;
-        let found = found(line((5, 400.0, timed), 600.0, |place| {
+        let found = found(line((5, 400.0, timed), 600.0, &mut |place| {
             let noise: f64 = StandardNormal.sample(&mut generator);
             0.5 * noise + 12.0 * place.time_s / last_s - 0.5 * place.side() * 2.0
         }));
@@ -94,7 +94,7 @@ fn unknown_pauses_are_in_the_uncertainty() {
 #[test]
 fn what_is_far_beyond_its_range_is_no_cause() {
     let mut generator = generator(0, 123);
-    let found = found(line((1, 0.09, true), 0.0, |place| {
+    let found = found(line((1, 0.09, true), 0.0, &mut |place| {
         let noise: f64 = StandardNormal.sample(&mut generator);
         0.1 * noise - 0.5 * place.side() * 1.4
     }));
@@ -109,7 +109,7 @@ fn what_is_far_beyond_its_range_is_no_cause() {
 #[test]
 fn late_time_stamps_are_not_alone_where_the_sides_differ_by_more_than_drives_lose() {
     let mut generator = generator(0, 124);
-    let mut table = line((3, 400.0, true), 0.0, |place| {
+    let mut table = line((3, 400.0, true), 0.0, &mut |place| {
         let noise: f64 = StandardNormal.sample(&mut generator);
         20.0 * noise - 0.5 * place.side() * 20e3
     });

@@ -20,7 +20,7 @@ const LEVER_MM: f64 = 206.264_806;
 fn diagnosed(
     (range_deg, stops): (f64, u32),
     sides: &[Direction],
-    reading: impl Fn(f64, f64) -> f64,
+    reading: &dyn Fn(f64, f64) -> f64,
 ) -> Diagnosis {
     let mut random: ChaCha8Rng = generator(1, 29);
     let mut readings = Vec::new();
@@ -69,7 +69,7 @@ fn names_in(positions: (f64, u32), curve: impl Fn(f64) -> f64) -> Vec<&'static s
     names(&diagnosed(
         positions,
         &[Direction::Forward],
-        |angle_deg, _| curve(angle_deg),
+        &|angle_deg, _| curve(angle_deg),
     ))
 }
 
@@ -103,7 +103,7 @@ fn a_whole_wave_is_an_encoder_error() {
 fn lost_motion_of_a_rotary_axis_may_have_any_form() {
     let play = |angle_deg: f64| 11.0 - 3.0 * angle_deg.to_radians().cos();
     let both = [Direction::Forward, Direction::Backward];
-    let diagnosis = diagnosed((350.0, 36), &both, |angle_deg, side| {
+    let diagnosis = diagnosed((350.0, 36), &both, &|angle_deg, side| {
         -0.5 * side * play(angle_deg)
     });
     assert_eq!(names(&diagnosis), ["position_dependent_backlash"]);
@@ -116,7 +116,7 @@ fn lost_motion_of_a_rotary_axis_may_have_any_form() {
 #[test]
 fn teeth_of_a_small_part_of_a_turn_are_uncertain() {
     let worm = |angle_deg: f64, _| 2.0 * (180.0 * angle_deg).to_radians().sin();
-    let found = diagnosed((20.0, 201), &[Direction::Forward], worm);
+    let found = diagnosed((20.0, 201), &[Direction::Forward], &worm);
     assert_eq!(names(&found), ["worm_gear"]);
     let parameters = &found.causes[0].parameters;
     let waves = parameters.iter().find(|p| p.name == "waves").unwrap();
@@ -124,14 +124,14 @@ fn teeth_of_a_small_part_of_a_turn_are_uncertain() {
     assert!(waves.u > 0.01 && waves.u < 5.0, "{waves:?}");
     // A wave and a half.
     let smooth = |angle_deg: f64, _| 2.0 * (700.0 * angle_deg).to_radians().sin();
-    let few = diagnosed((0.76, 20), &[Direction::Forward], smooth);
+    let few = diagnosed((0.76, 20), &[Direction::Forward], &smooth);
     assert_eq!(names(&few), [""; 0]);
 }
 
 /// From one side nothing varies with the side of approach: it was said of a drift.
 #[test]
 fn from_one_side_nothing_varies_with_direction() {
-    let found = diagnosed((30.0, 11), &[Direction::Forward], |_, _| 0.0);
+    let found = diagnosed((30.0, 11), &[Direction::Forward], &|_, _| 0.0);
     let tests = found.levels.iter().flat_map(|level| &level.tests);
     let names: Vec<&str> = tests.map(|test| test.varies_with).collect();
     assert!(names.contains(&"time"), "{names:?}");
@@ -144,7 +144,7 @@ fn from_one_side_nothing_varies_with_direction() {
 fn a_rotary_axis_that_slips_may_be_the_axis() {
     let row = Cell::new(0);
     let both = [Direction::Forward, Direction::Backward];
-    let found = diagnosed((330.0, 12), &both, |_, _| {
+    let found = diagnosed((330.0, 12), &both, &|_, _| {
         row.set(row.get() + 1);
         if row.get() > 40 { 6.0 } else { 0.0 }
     });

@@ -17,7 +17,7 @@ fn exchanged(
     factor: f64,
     curve_um: impl Fn(usize) -> f64,
 ) -> Verification {
-    table_of_stops(5, STOPS, |_, forward, stop| {
+    table_of_stops(5, STOPS, &mut |_, forward, stop| {
         let value = curve_um(stop) + 0.3 * normal(random);
         if forward { value } else { factor * value }
     })
@@ -84,7 +84,7 @@ fn a_worn_drive_keeps_its_name() {
     for seed in 0..6 {
         let mut random = generator(seed, 56);
         let most = random.random_range(20.0..300.0);
-        let table = table_of_stops(5, STOPS, |_, forward, stop| {
+        let table = table_of_stops(5, STOPS, &mut |_, forward, stop| {
             let x = stop as f64 / (STOPS - 1) as f64;
             let play = most * (-((x - 0.4) / 0.3_f64).powi(2)).exp();
             let side = if forward { -0.5 } else { 0.5 };
@@ -105,7 +105,7 @@ fn a_worn_drive_keeps_its_name() {
 fn one_position(cycles: u32, lost_um: f64, drift_um: f64, seed: u64) -> Diagnosis {
     let mut random = generator(seed, 57);
     let rows = f64::from(2 * cycles);
-    found(table_of_stops(cycles, 1, |row, forward, _| {
+    found(table_of_stops(cycles, 1, &mut |row, forward, _| {
         let side = if forward { -0.5 } else { 0.5 };
         side * lost_um + drift_um * row as f64 / rows + normal(&mut random)
     }))

@@ -9,7 +9,7 @@ use crate::{found, generator};
 /// Six cycles, rounded to a digit; the last three are the first three if they were pasted.
 fn table(digit_um: f64, is_pasted: bool, seed: u64) -> Verification {
     let mut random = generator(seed, 67);
-    let mut table = table_of_stops(6, 9, |_, _, stop| {
+    let mut table = table_of_stops(6, 9, &mut |_, _, stop| {
         let value = 0.5 * stop as f64 + normal(&mut random);
         (value / digit_um).round() * digit_um
     });
@@ -45,7 +45,7 @@ fn pasted_cycles_are_said_and_equal_readings_are_not() {
 fn coarse_digits_are_not_pasted() {
     let is_said = |digit_um: f64, seed: u64| {
         let mut random = generator(seed, 68);
-        let mut table = table_of_stops(2, 10, |_, _, stop| {
+        let mut table = table_of_stops(2, 10, &mut |_, _, stop| {
             let value = 1.5 * (stop * stop) as f64 + 0.5 * normal(&mut random);
             (value / digit_um).round() * digit_um
         });

@@ -20,7 +20,7 @@ fn line(
 ) -> Verification {
     let mut normal = || -> f64 { StandardNormal.sample(random) };
     let mut noise = normal();
-    there_and_back((5, 500.0, timed), 0.0, |place| {
+    there_and_back((5, 500.0, timed), 0.0, &mut |place| {
         let read = read_um(place) + SIGMA_UM * noise;
         noise = correlation * noise + (1.0 - correlation * correlation).sqrt() * normal();
         read

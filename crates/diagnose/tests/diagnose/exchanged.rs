@@ -14,7 +14,7 @@ use crate::{found, generator};
 fn line(seed: u64, is_exchanged: bool, scale_ppm: f64) -> Diagnosis {
     let mut random = generator(seed, 81);
     let [phase, other]: [f64; 2] = std::array::from_fn(|_| random.random_range(0.0..TAU));
-    found(table_of_stops(10, 15, |row, _, stop| {
+    found(table_of_stops(10, 15, &mut |row, _, stop| {
         let is_later = row >= 5 * 30;
         let x = 50.0 * stop as f64;
         let wave = match is_later && is_exchanged {

@@ -35,7 +35,7 @@ fn line(
     by_stop: bool,
     sigma_um: f64,
     seed: u64,
-    value_um: impl Fn(usize, bool, usize) -> f64,
+    value_um: &dyn Fn(usize, bool, usize) -> f64,
 ) -> Verification {
     let mut generator: ChaCha8Rng = generator(seed, 21);
     let readings = visits(by_stop).into_iter().enumerate();
@@ -79,7 +79,7 @@ fn is_lost_motion(cause: &Cause) -> bool {
 fn a_step_cycle_shows_lost_motion_as_sweeps_do() {
     for by_stop in [true, false] {
         for seed in 0..4 {
-            let found = found(line(by_stop, 0.5, seed, |_, below, _| lost(10.0, below)));
+            let found = found(line(by_stop, 0.5, seed, &|_, below, _| lost(10.0, below)));
             let [cause] = found.causes.as_slice() else {
                 panic!("{:?}", found.causes);
             };
@@ -104,7 +104,7 @@ fn a_remainder_takes_no_name_away() {
     let zero_um = [-0.4, 0.5, -0.3, 0.4, -0.2];
     for seed in 0..4 {
         let value = |row: usize, below, _| lost(10.0, below) + zero_um[row / 6];
-        let found = found(line(false, 0.05, seed, value));
+        let found = found(line(false, 0.05, seed, &value));
         let cause = &found.causes[0];
         assert!(is_lost_motion(cause), "{:?}", found.causes);
         assert!(matches!(found.verdict, Verdict::Named | Verdict::Ambiguous));
@@ -137,10 +137,10 @@ fn assert_shares_add_up(found: &Diagnosis) {
 
 #[test]
 fn lost_motion_below_zero_is_over_compensation() {
-    let too_far = found(line(true, 0.5, 1, |_, below, _| lost(-6.0, below)));
+    let too_far = found(line(true, 0.5, 1, &|_, below, _| lost(-6.0, below)));
     let explanation = too_far.causes[0].effect.explanation();
     assert!(explanation.cause.contains("too far"), "{explanation:?}");
-    let short = found(line(true, 0.5, 1, |_, below, _| lost(6.0, below)));
+    let short = found(line(true, 0.5, 1, &|_, below, _| lost(6.0, below)));
     let explanation = short.causes[0].effect.explanation();
     assert!(explanation.cause.contains("lost motion"), "{explanation:?}");
 }
@@ -151,7 +151,7 @@ fn a_slip_of_the_pen_is_left_out_and_said() {
     for by_stop in [true, false] {
         for slip in (0..30).step_by(7) {
             let value = |row: usize, _, _| if row == slip { 300.0 } else { 0.0 };
-            let found = found(line(by_stop, 2.0, slip as u64, value));
+            let found = found(line(by_stop, 2.0, slip as u64, &value));
             let rows: Vec<usize> = found.rejected.iter().map(|r| r.row).collect();
             assert_eq!(rows, [slip + 2], "{:?}", found.rejected);
             let error_um = found.rejected[0].error_um;
@@ -165,7 +165,7 @@ fn a_slip_of_the_pen_is_left_out_and_said() {
 #[test]
 fn readings_in_order_are_kept() {
     let kept = (0..40).filter(|&seed| {
-        let found = found(line(seed % 2 == 0, 1.0, seed, |_, _, _| 0.0));
+        let found = found(line(seed % 2 == 0, 1.0, seed, &|_, _, _| 0.0));
         found.rejected.is_empty()
     });
     assert!(kept.count() >= 39);
@@ -176,7 +176,7 @@ fn readings_in_order_are_kept() {
 #[test]
 fn the_instrument_is_a_suspect() {
     for seed in 0..4 {
-        let found = found(line(false, 0.5, seed, |row, _, _| -0.5 * row as f64));
+        let found = found(line(false, 0.5, seed, &|row, _, _| -0.5 * row as f64));
         let names = found.causes.iter().flat_map(|cause| {
             let rivals = cause.rival_effects().map(|r| r.effect.id);
             rivals.chain([cause.effect.effect.id])
@@ -199,7 +199,7 @@ fn the_instrument_is_a_suspect() {
 #[test]
 fn impossible_sizes_are_not_named() {
     let value = |row: usize, _, stop: usize| 1e-2 * STOPS_MM[stop] * row as f64 / 29.0 * 1e3;
-    let found = found(line(false, 0.5, 1, value));
+    let found = found(line(false, 0.5, 1, &value));
     let effects = found.causes.iter().map(|cause| cause.effect.effect.id);
     let effects: Vec<&str> = effects.collect();
     assert!(!effects.contains(&"axis_expansion"), "{effects:?}");
@@ -208,7 +208,7 @@ fn impossible_sizes_are_not_named() {
 /// One pass in one direction contradicts nothing.
 #[test]
 fn nothing_judged_is_not_clean() {
-    let mut once = line(false, 0.5, 1, |_, _, _| 0.0);
+    let mut once = line(false, 0.5, 1, &|_, _, _| 0.0);
     once.readings.truncate(3);
     let found = found(once);
     assert_eq!(found.verdict, Verdict::NotJudged);
@@ -221,14 +221,14 @@ fn nothing_judged_is_not_clean() {
 fn shares_of_noise_add_up() {
     let mut random: ChaCha8Rng = generator(3, 22);
     let sigma_um = 0.2 + random.random::<f64>();
-    assert_shares_add_up(&found(line(true, sigma_um, 5, |_, _, _| 0.0)));
+    assert_shares_add_up(&found(line(true, sigma_um, 5, &|_, _, _| 0.0)));
 }
 
 /// A wave of 4 µm with a pitch of 50 mm on a curve that bends by 10 µm, read once in one direction, noise 0.2 µm.
 #[test]
 fn a_wave_on_a_smooth_curve_is_found_in_a_line_without_calibration() {
     let mut random: ChaCha8Rng = generator(7, 23);
-    let mut once = line(false, 0.0, 1, |_, _, _| 0.0);
+    let mut once = line(false, 0.0, 1, &|_, _, _| 0.0);
     let reading = once.readings[0].clone();
     once.readings = (0..=60)
         .map(|k| {
@@ -276,7 +276,7 @@ fn a_wave_on_a_smooth_curve_is_found_in_a_line_without_calibration() {
 fn groups_of_stops_show_no_wave() {
     for seed in 0..4 {
         let mut random: ChaCha8Rng = generator(seed, 24);
-        let mut once = line(false, 0.0, 1, |_, _, _| 0.0);
+        let mut once = line(false, 0.0, 1, &|_, _, _| 0.0);
         let reading = once.readings[0].clone();
         let positions = (0..8).flat_map(|k| [50.0 * f64::from(k), 50.0 * f64::from(k) + 0.5]);
         once.readings = positions
@@ -301,7 +301,7 @@ fn readings_that_repeat_to_the_last_digit_are_judged_by_that_digit() {
             let true_um = 0.01 * STOPS_MM[stop] + value_um(row, below);
             (100.0 * true_um).round() / 100.0 - 0.01 * STOPS_MM[stop]
         };
-        found(line(true, 0.0, 0, digits))
+        found(line(true, 0.0, 0, &digits))
     };
     let same = said(&|_, _| 0.7);
     assert_eq!(same.verdict, Verdict::Clean);
@@ -315,14 +315,16 @@ fn readings_that_repeat_to_the_last_digit_are_judged_by_that_digit() {
 
 #[test]
 fn equal_readings_are_not_judged() {
-    let equal = found(line(true, 0.0, 0, |_, _, stop| 0.7 - 0.01 * STOPS_MM[stop]));
+    let equal = found(line(true, 0.0, 0, &|_, _, stop| {
+        0.7 - 0.01 * STOPS_MM[stop]
+    }));
     assert_eq!(equal.verdict, Verdict::NotJudged);
 }
 
 /// Nine stops 50 mm apart, five cycles, both sides, each `b(q)/2` from the middle.
 fn sides_apart(seed: u64, b_um: impl Fn(f64) -> f64) -> Verification {
     let mut random: ChaCha8Rng = generator(seed, 25);
-    let mut apart = line(false, 0.0, 1, |_, _, _| 0.0);
+    let mut apart = line(false, 0.0, 1, &|_, _, _| 0.0);
     let pattern = apart.readings[0].clone();
     let mut readings = Vec::new();
     for cycle in 1..=5 {

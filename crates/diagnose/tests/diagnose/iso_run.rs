@@ -75,7 +75,7 @@ pub(crate) const STOPS: usize = 11;
 pub(crate) fn there_and_back(
     (cycles, range_mm, timed): (u32, f64, bool),
     pause_s: f64,
-    read_um: impl FnMut(&Place) -> f64,
+    read_um: &mut dyn FnMut(&Place) -> f64,
 ) -> Verification {
     let mut places = Vec::new();
     for row in 0..2 * STOPS * cycles as usize {
@@ -180,7 +180,7 @@ fn take_means(places: &[Place], x: &mut [f64], key: impl Fn(&Place) -> usize) {
 pub(crate) fn table_of_stops(
     cycles: u32,
     stops: usize,
-    mut value_um: impl FnMut(usize, bool, usize) -> f64,
+    value_um: &mut dyn FnMut(usize, bool, usize) -> f64,
 ) -> Verification {
     let mut places = Vec::new();
     let mut values = Vec::new();

@@ -16,7 +16,7 @@ const SIGMA_UM: f64 = 0.3;
 fn line(positions: usize, period_mm: f64, seed: u64) -> Verification {
     let mut random = generator(seed, 61);
     let phase: f64 = random.random_range(0.0..TAU);
-    let mut table = table_of_stops(1, positions, |_, _, stop| {
+    let mut table = table_of_stops(1, positions, &mut |_, _, stop| {
         let x = stop as f64;
         let bend = 8.0 * (2.0 * x / positions as f64).sin();
         let wave = 2.0 * (TAU * x / period_mm + phase).sin();

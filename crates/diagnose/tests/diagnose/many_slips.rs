@@ -17,7 +17,7 @@ const ROWS: usize = 2 * STOPS * CYCLES as usize;
 /// Nine stops, five cycles there and back, noise of 1 µm, the readings of some rows off by some µm.
 fn table(random: &mut ChaCha8Rng, off_um: &[(usize, f64)]) -> Verification {
     let curve: Vec<f64> = (0..STOPS).map(|_| random.random_range(-9.0..9.0)).collect();
-    table_of_stops(CYCLES, STOPS, |row, _, stop| {
+    table_of_stops(CYCLES, STOPS, &mut |row, _, stop| {
         let off = off_um.iter().find(|(own, _)| *own == row);
         curve[stop] + off.map_or(0.0, |(_, off)| *off) + normal(random)
     })
@@ -99,7 +99,7 @@ fn too_many_doubtful_readings_are_unknown() {
 fn of_two_cycles_none_of_many_is_left_out() {
     for seed in 0..8 {
         let mut random = generator(seed, 55);
-        let table = table_of_stops(2, 33, |row, _, stop| {
+        let table = table_of_stops(2, 33, &mut |row, _, stop| {
             let off = if row % 15 == 7 && row < 120 {
                 60.0
             } else {

@@ -18,7 +18,7 @@ use crate::{campaign, found, found_in, generator, three_axes};
 /// Five cycles over five stops with a lost motion of 2 µm, noise of 0.5 µm.
 fn lost_motion(seed: u64) -> Verification {
     let mut random: ChaCha8Rng = generator(seed, 51);
-    table_of_stops(5, 5, |_, forward, stop| {
+    table_of_stops(5, 5, &mut |_, forward, stop| {
         let noise: f64 = StandardNormal.sample(&mut random);
         let lost = if forward { -1.0 } else { 1.0 };
         3.0 * (stop as f64).sin() + lost + 0.5 * noise
@@ -100,7 +100,7 @@ fn rows_given_twice_are_judged_once() {
         );
     }
     // A control that repeats to its last digit, in cycles that nobody numbered, says the same again and again.
-    let exact = table_of_stops(5, 5, |row, forward, stop| {
+    let exact = table_of_stops(5, 5, &mut |row, forward, stop| {
         let last = u8::from(row == 17);
         let lost = if forward { -1.0 } else { 1.0 };
         stop as f64 + lost + f64::from(last)
@@ -172,7 +172,7 @@ fn inches_are_said() {
     }
     let slope = |um_per_mm: f64| {
         let mut random: ChaCha8Rng = generator(7, 57);
-        let line = table_of_stops(5, 9, |_, _, stop| {
+        let line = table_of_stops(5, 9, &mut |_, _, stop| {
             let noise: f64 = StandardNormal.sample(&mut random);
             um_per_mm * (50.0 * stop as f64 + 10.0 * noise)
         });
@@ -219,7 +219,7 @@ fn a_way_back_that_is_named_as_the_way_there_is_said() {
     let said = |lost_um: f64, seed: u64, course: &dyn Fn(f64) -> f64, walks: bool| {
         let mut random: ChaCha8Rng = generator(seed, 58);
         let mut walk_um = 0.0;
-        let mut line = table_of_stops(5, 9, |row, forward, stop| {
+        let mut line = table_of_stops(5, 9, &mut |row, forward, stop| {
             let [noise, step]: [f64; 2] =
                 std::array::from_fn(|_| StandardNormal.sample(&mut random));
             walk_um += if walks { step } else { 0.0 };
@@ -282,7 +282,7 @@ fn positions_that_an_encoder_showed_are_told_from_too_few_cycles() {
 #[test]
 fn what_swings_does_not_repeat_with_the_cycle() {
     let mut random: ChaCha8Rng = generator(9, 56);
-    let swings = found(table_of_stops(5, 9, |row, _, _| {
+    let swings = found(table_of_stops(5, 9, &mut |row, _, _| {
         let noise: f64 = StandardNormal.sample(&mut random);
         3.0 * (TAU * 4.0 * row as f64 / 89.0).sin().powi(3) + 0.1 * noise
     }));
@@ -320,7 +320,7 @@ fn little_is_not_judged_and_much_noise_names_nothing() {
     let one_position = part(&at_one_position);
     assert_eq!(one_position.causes.len(), 1, "{}", summary(&one_position));
     let mut random: ChaCha8Rng = generator(5, 52);
-    let noisy = table_of_stops(5, 5, |_, _, _| {
+    let noisy = table_of_stops(5, 5, &mut |_, _, _| {
         let noise: f64 = StandardNormal.sample(&mut random);
         1e6 * noise
     });
@@ -344,7 +344,7 @@ fn correlated_noise_is_no_certain_effect_of_time() {
         for seed in 0..10 {
             let mut random: ChaCha8Rng = generator(seed, 53);
             let mut last = 0.0;
-            let table = table_of_stops(cycles, stops, |_, _, _| {
+            let table = table_of_stops(cycles, stops, &mut |_, _, _| {
                 let noise: f64 = StandardNormal.sample(&mut random);
                 last = 0.9 * last + 0.436 * noise;
                 last
@@ -370,7 +370,7 @@ fn correlated_noise_is_no_certain_effect_of_time() {
 fn a_drifting_zero_is_no_growth_of_a_short_axis() {
     for seed in 0..4 {
         let mut random: ChaCha8Rng = generator(seed, 54);
-        let table = table_of_stops(5, 5, |row, forward, stop| {
+        let table = table_of_stops(5, 5, &mut |row, forward, stop| {
             let noise: f64 = StandardNormal.sample(&mut random);
             let apart = if forward { 0.5 } else { -0.5 } * (2.0 + 80.0 * stop as f64);
             -50.0 * (1.0 - (-(row as f64) / 20.0).exp()) + apart + 2.0 * noise
@@ -404,7 +404,7 @@ fn said_of(
 ) -> Option<String> {
     let stops = 21;
     let mut random = generator(seed, stream);
-    let table = table_of_stops(5, stops, |row, forward, stop| {
+    let table = table_of_stops(5, stops, &mut |row, forward, stop| {
         let x = stop as f64 / (stops - 1) as f64;
         let off = off_um(&mut random, row % stops, forward, x);
         off + 0.5 * normal(&mut random)

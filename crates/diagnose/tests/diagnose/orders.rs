@@ -14,7 +14,7 @@ const LOST_UM: f64 = 10.0;
 /// Five cycles over nine stops beside a zero that runs away by 30 µm, noise of 0.5 µm; row 47 is off by 40 µm.
 fn measured(seed: u64) -> Verification {
     let mut random: ChaCha8Rng = generator(seed, 61);
-    table_of_stops(5, 9, |row, forward, stop| {
+    table_of_stops(5, 9, &mut |row, forward, stop| {
         let noise: f64 = StandardNormal.sample(&mut random);
         let lost = if forward { -0.5 } else { 0.5 } * LOST_UM;
         let drift = 30.0 * (1.0 - (-(row as f64) / 40.0).exp());
@@ -194,7 +194,7 @@ fn exchanged_sides_keep_their_order() {
 fn what_wanders_from_one_side_to_the_other_may_be_lost_motion() {
     let wanders = |by_side: bool, seed: u64| {
         let mut random: ChaCha8Rng = generator(seed, 62);
-        let mut table = table_of_stops(5, 9, |_, _, stop| 4.0 * (stop as f64).sin());
+        let mut table = table_of_stops(5, 9, &mut |_, _, stop| 4.0 * (stop as f64).sin());
         if by_side {
             table.readings.sort_by_key(is_backward);
         }

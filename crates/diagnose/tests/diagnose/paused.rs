@@ -12,7 +12,7 @@ use crate::{found, generator};
 const CYCLES: u32 = 5;
 
 /// Five cycles over 400 mm.
-fn line(pause_s: f64, timed: bool, read_um: impl FnMut(&Place) -> f64) -> Verification {
+fn line(pause_s: f64, timed: bool, read_um: &mut dyn FnMut(&Place) -> f64) -> Verification {
     there_and_back((CYCLES, 400.0, timed), pause_s, read_um)
 }
 
@@ -34,7 +34,7 @@ fn pauses_make_no_swing_of_what_repeats_with_the_cycle() {
             let mut generator = generator(seed, 94);
             let last_s = STOP_S * 110.0 + 4.0 * pause_s;
             let mut sum = 0.0;
-            let found = found(line(pause_s, true, |place| {
+            let found = found(line(pause_s, true, &mut |place| {
                 let lost = 4.0 + 2.0 * (std::f64::consts::PI * place.x_mm / 400.0).sin();
                 let noise: f64 = StandardNormal.sample(&mut generator);
                 sum += lost / 110.0;
@@ -61,7 +61,7 @@ fn lost_motion_is_told_beside_a_drift_ten_times_as_large() {
     for seed in 0..3 {
         let mut generator = generator(seed, 95);
         let mut row = 0.0;
-        let found = found(line(0.0, false, |place| {
+        let found = found(line(0.0, false, &mut |place| {
             let noise: f64 = StandardNormal.sample(&mut generator);
             row += 1.0;
             0.3 * noise + 20.0 * row / 110.0 - 0.5 * place.side() * 2.0
@@ -88,7 +88,7 @@ fn a_drift_that_goes_on_in_pauses_is_no_worn_drive() {
         for timed in [false, true] {
             let mut generator = generator(seed, 96);
             let last_s = STOP_S * 110.0 + 4.0 * pause_s;
-            let found = found(line(pause_s, timed, |place| {
+            let found = found(line(pause_s, timed, &mut |place| {
                 let noise: f64 = StandardNormal.sample(&mut generator);
                 12.0 * place.time_s / last_s - 0.5 * place.side() * lost_um + 0.3 * noise
             }));
@@ -115,7 +115,7 @@ fn a_drift_that_goes_on_in_pauses_is_no_worn_drive() {
 fn a_cycle_whose_sides_are_exchanged_shows_no_late_time_stamps() {
     for timed in [true, false] {
         let mut generator = generator(3, 97);
-        let mut line = line(0.0, timed, |place| {
+        let mut line = line(0.0, timed, &mut |place| {
             let noise: f64 = StandardNormal.sample(&mut generator);
             -0.5 * place.side() * 5.0 + 0.3 * noise
         });
@@ -137,7 +137,7 @@ fn a_cycle_whose_sides_are_exchanged_shows_no_late_time_stamps() {
 #[test]
 fn what_warms_up_may_be_the_instrument() {
     let mut generator = generator(4, 98);
-    let found = found(line(20.0, true, |place| {
+    let found = found(line(20.0, true, &mut |place| {
         let noise: f64 = StandardNormal.sample(&mut generator);
         8.0 * (1.0 - (-place.time_s / 250.0).exp()) + 0.3 * noise
     }));
@@ -157,7 +157,7 @@ fn what_warms_up_may_be_the_instrument() {
 fn an_axis_that_turns_at_its_ends_is_not_worn_in_the_middle() {
     for (seed, is_bent) in [(5, false), (6, false), (7, true)] {
         let mut generator = generator(seed, 99);
-        let found = found(line(0.0, true, |place| {
+        let found = found(line(0.0, true, &mut |place| {
             let noise: f64 = StandardNormal.sample(&mut generator);
             let at_end = place.step == 0 || place.step == STOPS - 1;
             let lost = match is_bent {
@@ -189,7 +189,7 @@ fn an_axis_that_turns_at_its_ends_is_not_worn_in_the_middle() {
 fn a_drift_and_a_jump_are_told_together() {
     for seed in 0..3 {
         let mut generator = generator(seed, 100);
-        let found = found(line(20.0, true, |place| {
+        let found = found(line(20.0, true, &mut |place| {
             let noise: f64 = StandardNormal.sample(&mut generator);
             let jump = if place.time_s > 500.0 { -10.0 } else { 0.0 };
             15.0 * place.time_s / 1180.0 + jump + 0.3 * noise

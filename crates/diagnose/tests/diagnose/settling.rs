@@ -22,7 +22,7 @@ fn measured(seed: u64, lost_um: f64) -> Diagnosis {
     let curve: Vec<f64> = (0..STOPS)
         .map(|_| generator.random_range(-6.0..6.0))
         .collect();
-    found(table_of_stops(CYCLES, STOPS, |row, forward, stop| {
+    found(table_of_stops(CYCLES, STOPS, &mut |row, forward, stop| {
         let noise: f64 = StandardNormal.sample(&mut generator);
         let cycle = (row / (2 * STOPS)) as f64;
         let when = row as f64 + pause * cycle;

@@ -38,7 +38,7 @@ impl Layout {
             .map(|_| random.random_range(-9.0..9.0))
             .collect();
         let mut row = 0;
-        let mut table = table_of_stops(self.cycles, self.stops, |_, forward, stop| {
+        let mut table = table_of_stops(self.cycles, self.stops, &mut |_, forward, stop| {
             if !forward && self.sides == 1 {
                 return 0.0;
             }
@@ -398,7 +398,7 @@ fn a_stop_that_is_off_is_left_out_with_all_its_readings() {
         let mut random = generator(seed, 98);
         let mut row = 0;
         let off = 30 + usize::try_from(3 * seed).unwrap();
-        let mut table = table_of_stops(5, 11, |_, forward, _| {
+        let mut table = table_of_stops(5, 11, &mut |_, forward, _| {
             row += 1;
             let noise: f64 = StandardNormal.sample(&mut random);
             let side = if forward { -1.5 } else { 1.5 };
@@ -424,7 +424,7 @@ fn a_stop_that_is_off_is_left_out_with_all_its_readings() {
 fn of_two_pairs_that_contradict_each_other_neither_stays() {
     for seed in 0..6 {
         let mut random = generator(seed, 99);
-        let table = table_of_stops(2, 21, |row, forward, _| {
+        let table = table_of_stops(2, 21, &mut |row, forward, _| {
             let noise: f64 = StandardNormal.sample(&mut random);
             let side = if forward { -1.5 } else { 1.5 };
             let off = match row {

@@ -83,7 +83,7 @@ fn what_is_not_in_the_catalogue_hardly_ever_gets_a_name() {
 #[test]
 fn what_turns_round_with_the_axis_does_not_go_with_time() {
     let mut generator = generator(1, 48);
-    let table = table_of_stops(3, 11, |_, forward, stop| {
+    let table = table_of_stops(3, 11, &mut |_, forward, stop| {
         let noise: f64 = StandardNormal.sample(&mut generator);
         let behind_um = 2500.0 + 50.0 * stop as f64;
         noise - if forward { behind_um } else { -behind_um }
@@ -100,7 +100,7 @@ fn what_turns_round_with_the_axis_does_not_go_with_time() {
 #[test]
 fn what_fits_with_an_impossible_size_only_is_not_clean() {
     let mut generator = generator(3, 48);
-    let mut table = table_of_stops(10, 2, |row, forward, _| {
+    let mut table = table_of_stops(10, 2, &mut |row, forward, _| {
         let noise: f64 = StandardNormal.sample(&mut generator);
         noise + row as f64 * if forward { 2.0 } else { -0.2 }
     });
