@@ -54,6 +54,7 @@ mod smooth;
 mod unseen;
 mod wandered;
 pub(crate) mod wandering;
+mod wanders;
 
 pub(crate) use accidents::{first_lines, most};
 pub(crate) use between::golden_section;
@@ -78,4 +79,5 @@ pub(crate) use search::{FURTHER_LEVEL, SHAPE_ERROR, Search, find_causes, settle}
 pub(crate) use smooth::{Posterior, SMOOTH_LEVEL, Smooth, beside_one_of, correlation_lengths};
 pub(crate) use unseen::{in_words, length_scale, unseen, untested, without_trace};
 pub(crate) use wandered::wandered;
-pub(crate) use wandering::{JudgedDisturbance, Wanders, wandered_mm, whitened_columns};
+pub(crate) use wandering::{JudgedDisturbance, wandered_mm, whitened_columns};
+pub(crate) use wanders::Wanders;

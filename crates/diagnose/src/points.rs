@@ -24,10 +24,12 @@
 //!   told from a machine that does: such twins are always given together.
 //! - [`beside`]: what wanders in a course that nobody knows joins the covariance.
 //! - [`omnibus`]: whether anything is left, and what it varies with.
+//! - [`believed`]: which causes are named.
 //! - [`held_out`]: the gain on sweeps that the model was not fitted to.
 //! - [`report`] puts it together; [`fitted`], [`places`] and [`not_observable`] report it with units.
 
 mod base;
+mod believed;
 mod beside;
 mod doubted;
 mod fitted;

@@ -55,6 +55,7 @@ mod side;
 mod stack;
 mod stops;
 mod take_away;
+mod tested;
 mod together;
 mod turned;
 mod units;

@@ -1,12 +1,8 @@
 //! A hypothesis with an instant, profiled over all instants by running sums.
 //!
 //! The columns of an effect that begins at `t0` are its columns from the beginning of time, cut to the
-//! visits after `t0`. Visit after visit from the last one back, `XᵀX`, `Oᵀ X`, `Tᵀ X` and `Xᵀ e` grow by
-//! the rows of one visit, so all instants together cost little more than one:
-//!
-//! ```text
-//! G(t0) = XᵀX - Σ_groups (OᵀX)ᵀ(OᵀX) - (TᵀX)ᵀ Σ (TᵀX)
-//! ```
+//! visits after `t0`. Visit after visit from the last one back, `Xᵀ e` and what makes `G` ([`RunningSums`]) grow by
+//! the rows of one visit, so all instants together cost little more than one.
 //!
 //! Within a visit an instant leaves out its first readings. Whitening mixes the readings of a visit, so that a cut has columns of its
 //! own, in which the first `c` rows of every visit are left out before they are whitened: one set for each `c`.
@@ -15,66 +11,18 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use trueaxis_leastsquares::lane_products::LaneMatrix;
-use trueaxis_leastsquares::{Lanes, dot, in_widest_registers, lanes_only};
+use trueaxis_leastsquares::{Lanes, in_widest_registers, lanes_only};
 
+use crate::running_sums::RunningSums;
 use crate::scan::{OfOne, OfSeveral, Tried};
-use crate::{Gram, Hypothesis, Projection, Scan, add, middle};
+use crate::visit_times::{VisitTimes, span_s};
+use crate::{Gram, Hypothesis, Projection, Scan, middle};
 
 /// Visits on either side of an instant: fewer are no jump but repeatability, or gross errors.
 const LEAST_VISITS: usize = 3;
 
 /// Cuts of visits that are tried at most: many readings of one stop are as good as some.
 const MOST_CUTS: usize = 12;
-
-/// A visit of a network, or a stop, of several in time order.
-#[derive(Debug, Clone)]
-pub struct VisitTimes {
-    /// Rows of the visit.
-    pub rows: Range<usize>,
-    /// When each of them was measured, s.
-    pub times_s: Vec<f64>,
-    /// First and last time, s.
-    pub span_s: [f64; 2],
-}
-
-impl VisitTimes {
-    /// That of rows with their times, s.
-    pub fn new(rows: Range<usize>, times_s: impl Iterator<Item = f64>) -> Self {
-        let times_s: Vec<f64> = times_s.collect();
-        Self {
-            rows,
-            span_s: span_s(&times_s),
-            times_s,
-        }
-    }
-
-    /// Numbers of first rows that are all before the rest, whatever the order among them.
-    fn cuts(&self) -> impl Iterator<Item = usize> + '_ {
-        let first_of_rest = self.times_s.iter().rev();
-        let first_of_rest = first_of_rest.scan(f64::INFINITY, |first, time| {
-            *first = first.min(*time);
-            Some(*first)
-        });
-        let mut first_of_rest: Vec<f64> = first_of_rest.collect();
-        first_of_rest.reverse();
-        let last_before = self.times_s.iter().scan(f64::NEG_INFINITY, |last, time| {
-            *last = last.max(*time);
-            Some(*last)
-        });
-        let pairs = last_before.zip(first_of_rest.into_iter().skip(1));
-        let parted = pairs.enumerate().filter(|(_, (last, first))| last < first);
-        parted.map(|(i, _)| i + 1)
-    }
-}
-
-/// First and last of some times.
-fn span_s(times_s: &[f64]) -> [f64; 2] {
-    let all = || times_s.iter().copied();
-    [
-        all().fold(f64::INFINITY, f64::min),
-        all().fold(f64::NEG_INFINITY, f64::max),
-    ]
-}
 
 /// Whitened columns from the beginning of time on, of those rows only that are after something.
 pub(crate) type ColumnsAfter<'a> = dyn Fn(&dyn Fn(usize) -> bool) -> Vec<Vec<f64>> + 'a;
@@ -115,27 +63,28 @@ impl StepScan {
             .iter()
             .filter_map(|visit| Concerned::new(visit, &by_rows, n))
             .collect();
-        let mut sums = Sums::new(projection, n);
+        let mut sums = RunningSums::new(projection, n);
         let mut instants = Vec::new();
         for (number, own) in concerned.iter().enumerate().skip(1).rev() {
             let after = concerned.len() - number;
             let rows = &own.visit.rows;
-            let mut push = |sums: &Sums, [from_s, to_s]: [f64; 2], first_row, cut: Option<_>| {
-                let gram = sums.gram(projection);
-                if gram.rank() > 0 {
-                    instants.push(Instant {
-                        tried: Tried {
-                            shape: middle(&[from_s, to_s]),
-                            gap_s: Some(to_s - from_s),
-                            is_tested: cut.is_none(),
-                        },
-                        first_row,
-                        cut,
-                        gram,
-                    });
-                }
-            };
-            let add = |sums: &mut Sums, cut: usize, sign: f64| {
+            let mut push =
+                |sums: &RunningSums, [from_s, to_s]: [f64; 2], first_row, cut: Option<_>| {
+                    let gram = sums.gram(projection);
+                    if gram.rank() > 0 {
+                        instants.push(Instant {
+                            tried: Tried {
+                                shape: middle(&[from_s, to_s]),
+                                gap_s: Some(to_s - from_s),
+                                is_tested: cut.is_none(),
+                            },
+                            first_row,
+                            cut,
+                            gram,
+                        });
+                    }
+                };
+            let add = |sums: &mut RunningSums, cut: usize, sign: f64| {
                 in_widest_registers(
                     #[inline(always)]
                     || {
@@ -326,106 +275,5 @@ impl Scan for StepScan {
             take(rows.start + cut..rows.end, *cut);
         }
         columns
-    }
-}
-
-/// The running sums.
-struct Sums {
-    parameters: usize,
-    /// `XᵀX`.
-    squares: Vec<f64>,
-    /// `OᵀX` of each group.
-    own: Vec<f64>,
-    /// `Σ_groups (OᵀX)ᵀ(OᵀX)`.
-    own_squares: Vec<f64>,
-    /// `TᵀX`, parameter after parameter.
-    shared: Vec<f64>,
-}
-
-impl Sums {
-    fn new(projection: &Projection, parameters: usize) -> Self {
-        let (own, shared) = (projection.own_width, projection.shared_width);
-        Self {
-            parameters,
-            squares: vec![0.0; parameters * parameters],
-            own: vec![0.0; projection.groups * own * parameters],
-            own_squares: vec![0.0; parameters * parameters],
-            shared: vec![0.0; shared * parameters],
-        }
-    }
-
-    /// Adds the outer product of each row of a matrix (`n` columns) with itself, times `sign`.
-    #[inline(always)]
-    fn add_squares(sum: &mut [f64], rows: &[f64], n: usize, sign: f64) {
-        for row in rows.chunks_exact(n) {
-            for (i, a) in row.iter().enumerate() {
-                for (s, b) in sum[i * n..(i + 1) * n].iter_mut().zip(row) {
-                    *s += sign * a * b;
-                }
-            }
-        }
-    }
-
-    /// Adds a row, or takes it away, by its sign.
-    #[inline(always)]
-    fn add(&mut self, projection: &Projection, row: usize, x: &[f64], sign: f64) {
-        let n = self.parameters;
-        Self::add_squares(&mut self.squares, x, n, sign);
-        let own_row = projection.own_row(row);
-        let size = own_row.len() * n;
-        let group = projection.group_of_row[row];
-        let own = &mut self.own[group * size..(group + 1) * size];
-        Self::add_squares(&mut self.own_squares, own, n, -1.0);
-        for (sums, o) in own.chunks_exact_mut(n).zip(own_row) {
-            for (s, x) in sums.iter_mut().zip(x) {
-                *s += sign * o * x;
-            }
-        }
-        Self::add_squares(&mut self.own_squares, own, n, 1.0);
-        let shared_row = projection.shared_row(row);
-        let of_parameters = self.shared.chunks_exact_mut(shared_row.len().max(1));
-        for (sums, x) in of_parameters.zip(x) {
-            add(sums, shared_row, sign * x);
-        }
-    }
-
-    fn gram(&self, projection: &Projection) -> Gram {
-        let n = self.parameters;
-        let mut gram: Vec<f64> = self
-            .squares
-            .iter()
-            .zip(&self.own_squares)
-            .map(|(all, own)| all - own)
-            .collect();
-        let width = projection.sigma_width;
-        let of_parameters = || self.shared.chunks_exact(projection.shared_width.max(1));
-        for (i, own) in of_parameters().enumerate() {
-            let (dense, rest) = own.split_at(width);
-            let through = (0..width).map(|k| dot(projection.sigma_row(k), dense));
-            let through: Vec<f64> = through.chain(rest.iter().copied()).collect();
-            for (g, other) in gram[i * n..(i + 1) * n].iter_mut().zip(of_parameters()) {
-                *g -= dot(&through, other);
-            }
-        }
-        let before: Vec<f64> = (0..n).map(|i| self.squares[i * n + i]).collect();
-        Gram::new(&gram, &before)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::VisitTimes;
-
-    /// A visit whose readings are not in the order of their times is parted only where all first rows are before all others.
-    #[test]
-    fn an_instant_parts_rows_by_their_times() {
-        let cuts = |times_s: &[f64]| -> Vec<usize> {
-            let visit = VisitTimes::new(0..times_s.len(), times_s.iter().copied());
-            visit.cuts().collect()
-        };
-        assert_eq!(cuts(&[1.0, 2.0, 3.0]), [1, 2]);
-        assert_eq!(cuts(&[1.0, 1.0, 3.0]), [2]);
-        assert_eq!(cuts(&[2.0, 1.0, 5.0, 4.0, 6.0]), [2, 4]);
-        assert!(cuts(&[3.0, 1.0, 2.0]).is_empty());
     }
 }

@@ -17,12 +17,12 @@ use trueaxis_selection::{DECISIVE, Hypothesis, Null, rank};
 use crate::Error;
 use crate::engine::disturbance::{Wanderer, Who, With};
 use crate::engine::wandering::{
-    JudgedDisturbance, Wanders, disturbances, is_tried, judge_all, least, of_wandering, one_by_one,
+    JudgedDisturbance, disturbances, is_tried, judge_all, least, of_wandering, one_by_one,
     wandering, wandering_of,
 };
 use crate::engine::{
-    Culprit, Culprits, Found, Omnibus, SHAPE_ERROR, Search, Suspect, find_causes, scan, scans,
-    settle,
+    Culprit, Culprits, Found, Omnibus, SHAPE_ERROR, Search, Suspect, Wanders, find_causes, scan,
+    scans, settle,
 };
 
 /// Without causes and with omnibus tests above this nothing wanders that would be significant.

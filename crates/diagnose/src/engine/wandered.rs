@@ -7,10 +7,10 @@ use trueaxis_kinematics::{Axis, AxisKind};
 use trueaxis_leastsquares::dot;
 use trueaxis_selection::combined;
 
-use crate::engine::Posterior;
 use crate::engine::coordinate::{self, Coordinate, Shown};
 use crate::engine::disturbance::{Here, Wanderer, Who, With};
-use crate::engine::wandering::{JudgedDisturbance, Wanders, units_um, whitened_columns};
+use crate::engine::wandering::{JudgedDisturbance, units_um, whitened_columns};
+use crate::engine::{Posterior, Wanders};
 use crate::extremes::extremes;
 use crate::{CorrelationLength, CurvePoint, Disturbance, Gain, Wandering};
 

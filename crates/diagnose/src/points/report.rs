@@ -3,18 +3,16 @@
 use nalgebra::Vector3;
 use trueaxis_campaign::{Campaign, Points};
 use trueaxis_effects::{Level, ResolvedEffect, Scene};
-use trueaxis_selection::{Fit, Hypothesis, Null};
 
 use crate::engine::{
-    Candidates, Competed, Found, HeldOut, Measured, OMNIBUS_LEVEL, Omnibus, Search, Suspect,
-    Wanders, add_rival_disturbances, cause, compete, find_causes, is_imitation, is_tested,
-    of_catalogue, scans, settled, still_left, unexplained, wandered, wandered_mm, whitened_columns,
+    Competed, HeldOut, Measured, Omnibus, Suspect, Wanders, add_rival_disturbances, cause,
+    is_tested, of_catalogue, unexplained, wandered, wandered_mm, whitened_columns,
 };
 use crate::points::base::Base;
+use crate::points::believed::{Believed, suspects};
 use crate::points::doubted::doubted;
 use crate::points::fitted::fitted;
 use crate::points::gross_errors::Gross;
-use crate::points::held_out::held_out;
 use crate::points::model::Model;
 use crate::points::not_observable::not_observable;
 use crate::points::omnibus::{families, omnibus};
@@ -67,16 +65,6 @@ pub(crate) fn diagnose_points(
     said(&screened, points, believed)
 }
 
-/// Whether causes take more than half of what is more than noise.
-fn does_most(model: &Model) -> bool {
-    let (bare, left) = (&model.bare, &model.projection);
-    bare.squares() - left.squares() > 0.5 * (bare.squares() - left.degrees_of_freedom)
-}
-
-fn suspects(found: &[Found]) -> Vec<Suspect> {
-    found.iter().map(|f| f.suspect.clone()).collect()
-}
-
 fn not_judged(base: &Base<'_>, freedom: f64) -> Said {
     let text = format!(
         "{} points leave {freedom:.0} degrees of freedom beside a pose for each step, at least {LEAST_DEGREES_OF_FREEDOM:.0} are needed: measure \
@@ -86,103 +74,6 @@ fn not_judged(base: &Base<'_>, freedom: f64) -> Said {
     Said {
         notices: vec![text],
         ..Said::default()
-    }
-}
-
-/// The causes that are believed, what wanders beside them, and what the model with both leaves and gains.
-struct Believed<'a> {
-    competed: Competed<Base<'a>>,
-    after: Vec<Omnibus>,
-    heldout: Option<HeldOut>,
-}
-
-impl<'a> Believed<'a> {
-    /// No causes, and nothing tested.
-    fn nothing(base: Base<'a>, model: Model) -> Self {
-        Self {
-            competed: Competed {
-                base,
-                search: Search::without_causes(model),
-                wandering: Vec::new(),
-            },
-            after: Vec::new(),
-            heldout: None,
-        }
-    }
-
-    /// The causes of what `plain`, the model without anything, leaves, and what wanders.
-    fn search(screened: &Screened<'a>, plain: Model, all: &[Hypothesis]) -> Result<Self, Error> {
-        let base = &screened.base;
-        let first = scans(base, &plain, &plain.projection, all).scans;
-        let null = Null::simulated(&plain.projection, &first);
-        let before = omnibus(&plain, &families(base, &plain));
-        let search = find_causes(base, plain, all, &first, &null)?;
-        let candidates = Candidates { all, null: &null };
-        let mut model = compete(base, &before, search, &candidates)?;
-        loop {
-            let count = model.search.found.len();
-            let believed = Self::of(model, screened.are_many)?;
-            if believed.found().len() == count {
-                return Ok(believed);
-            }
-            // What took the place of a cause may be something that wanders; the others are judged without it.
-            model = settled(base, suspects(believed.found()), &candidates)?;
-        }
-    }
-
-    /// The causes of a model but those that predict unused points worse than nothing, or merely imitate what is left. Among many
-    /// gross errors, which imitate anything, they must predict better, and be most of the misfit.
-    fn of(mut competed: Competed<Base<'a>>, are_many: bool) -> Result<Self, Error> {
-        loop {
-            let Competed {
-                base,
-                search,
-                wandering,
-            } = &mut competed;
-            let (found, model) = (&mut search.found, &search.adjusted);
-            let count = found.len();
-            let families = families(base, model);
-            let after = omnibus(model, &families);
-            let left = still_left(&families, &after, OMNIBUS_LEVEL, |t| t.excess);
-            let is_one = |cause: &Found| {
-                let Suspect {
-                    hypothesis, shape, ..
-                } = &cause.suspect;
-                let columns = base.columns(model)(hypothesis, *shape);
-                let fit = Fit::new(&model.bare, &columns);
-                is_imitation(&model.bare, &fit, hypothesis.is_of_time(), &left)
-            };
-            // What was found beside an imitation goes with it.
-            let first = found.iter().position(is_one);
-            found.truncate(first.unwrap_or(count));
-            if found.len() == count {
-                let is_plain = found.is_empty() && wandering.is_empty();
-                let heldout = match is_plain {
-                    true => None,
-                    false => held_out(base, model, &suspects(found)),
-                };
-                let holds = match are_many {
-                    true => heldout.is_some_and(|h| h.is_gain()) && does_most(model),
-                    false => heldout.is_none_or(|h| !h.is_loss()),
-                };
-                if found.is_empty() || holds {
-                    return Ok(Self {
-                        competed,
-                        after,
-                        heldout,
-                    });
-                }
-                found.clear();
-            }
-            search.adjusted = base.refit(suspects(found))?;
-            for (found, suspect) in found.iter_mut().zip(&search.adjusted.suspects) {
-                found.suspect = suspect.clone();
-            }
-        }
-    }
-
-    fn found(&self) -> &[Found] {
-        &self.competed.search.found
     }
 }
 

@@ -7,30 +7,47 @@ use trueaxis_kinematics::MICROMETRE;
 use crate::said::Entry;
 use crate::{LevelReport, Misfit, OmnibusTest, Shares, Unexplained};
 
-/// What the calibration rejects: runs of one axis, and those that see the stage turned.
-pub(crate) fn contradicting_runs(calibration: &Calibration) -> Option<Entry> {
-    let test = |said: String, columns: usize, p_value: f64| OmnibusTest {
+/// What one test of the calibration says.
+struct Contradiction {
+    test: OmnibusTest,
+    chi_squared: f64,
+    /// By how much the runs differ.
+    differs_mm: f64,
+}
+
+fn test(said: String, columns: usize, p_value: f64) -> OmnibusTest {
+    OmnibusTest {
         varies_with: "run",
         detail: Some(said),
         columns,
         p_value,
-    };
+    }
+}
+
+/// What the calibration rejects: runs of one axis, and those that see the stage turned.
+pub(crate) fn contradicting_runs(calibration: &Calibration) -> Option<Entry> {
     let of_axes = calibration.axes.iter().filter_map(|axis| {
         let own = axis.runs.as_ref()?;
         let said = format!("runs {} of axis {} differ", own.runs.join(", "), axis.name);
-        let test = test(said, own.degrees_of_freedom, own.p_value);
-        Some((test, own.chi_squared, own.rms_mm))
+        Some(Contradiction {
+            test: test(said, own.degrees_of_freedom, own.p_value),
+            chi_squared: own.chi_squared,
+            differs_mm: own.rms_mm,
+        })
     });
     let turned = calibration.turned_runs.iter().map(|own| {
         let runs = own.runs.join(" and ");
         let said = format!("runs {runs} are turned against each other");
-        let test = test(said, own.degrees_of_freedom, own.p_value);
-        (test, own.chi_squared, own.moved_mm)
+        Contradiction {
+            test: test(said, own.degrees_of_freedom, own.p_value),
+            chi_squared: own.chi_squared,
+            differs_mm: own.moved_mm,
+        }
     });
-    let all: Vec<_> = of_axes.chain(turned).collect();
-    let largest_mm = all.iter().map(|(.., mm)| *mm).reduce(f64::max)?;
-    let squares: f64 = all.iter().map(|(_, squares, _)| squares).sum();
-    let tests: Vec<OmnibusTest> = all.into_iter().map(|(test, ..)| test).collect();
+    let all: Vec<Contradiction> = of_axes.chain(turned).collect();
+    let largest_mm = all.iter().map(|own| own.differs_mm).reduce(f64::max)?;
+    let squares: f64 = all.iter().map(|own| own.chi_squared).sum();
+    let tests: Vec<OmnibusTest> = all.into_iter().map(|own| own.test).collect();
     let columns = tests.iter().map(|test| test.columns).sum::<usize>() as f64;
     let noise = (columns / squares.max(columns)).min(1.0);
     let rms_um = largest_mm / MICROMETRE;

@@ -1,13 +1,8 @@
 //! Readings that contradict all others, as a slip of the pen does, or two in a row.
 //!
 //! Against the model that leaves nothing but scatter (each position and side has a mean, each pass an offset,
-//! [`scatter`]) every arrival, and every two that follow each other, are tested with the residuals of the others,
-//!
-//! ```text
-//! F = (d/k)/((S - d)/(ν - k))      d = e_Aᵀ (M_AA)⁻¹ e_A      k = 1 or 2 arrivals A
-//! ```
-//!
-//! those that stand out most first (externally studentised residuals; Cook and Weisberg 1982, ch. 2). Two in a row are tested
+//! [`scatter`]) every arrival, and every two that follow each other, are tested with the residuals of the others
+//! ([`Tested`]), those that stand out most first (externally studentised residuals; Cook and Weisberg 1982, ch. 2). Two in a row are tested
 //! together because each hides the other. Slips of one size hide each other wherever they stand, so the search goes on after one that
 //! is not clear, and what came before the last clear one counts, too (Rosner 1983, generalised extreme studentised deviates). Each is
 //! then judged beside all others. Three in a row, more than a few, or those after which readings stay where they were are no slips but
@@ -15,10 +10,8 @@
 //! other, and both go: one of them is wrong, and what is left is in order. More than a few go if each stands alone and is plainly wrong
 //! ([`far_off`]); otherwise it is said that many are doubtful.
 
-use nalgebra::{DMatrix, DVector};
 use trueaxis_campaign::Verification;
-use trueaxis_leastsquares::dot;
-use trueaxis_selection::{Projection, ln_f_test};
+use trueaxis_selection::Projection;
 
 use crate::engine::most;
 use crate::verification::base::{cells, passes, sizes};
@@ -26,6 +19,7 @@ use crate::verification::comparison::Comparison;
 use crate::verification::doubted::{far_off, mistakes};
 use crate::verification::gross_error::{Contradicts, GrossError};
 use crate::verification::noise_floor::scatter;
+use crate::verification::tested::{Slip, Tested};
 
 /// Probability of leaving out anything of readings that are in order, for each file.
 pub(crate) const LEVEL: f64 = 1e-4;
@@ -45,6 +39,12 @@ pub(crate) const MOST_IN_A_ROW: usize = 2;
 const PLAINLY: f64 = 20.0;
 const ONE_IN: usize = 10;
 
+/// With fewer, Student's limit is beyond anything.
+pub(crate) const LEAST_DEGREES_OF_FREEDOM: f64 = 5.0;
+
+/// Part of what the largest drop of the sum of squares is, from which another one is alike.
+const ALIKE: f64 = 0.81;
+
 /// Arrivals before and after a slip that say where the readings were and where they stay.
 const NEIGHBOURS: usize = 4;
 
@@ -55,14 +55,6 @@ const STAYS: f64 = 0.5;
 /// table. A warm-up falls most at its start, noise between two means of four is 0.7 of that of a reading, and a slip is eight of
 /// them.
 pub(crate) const IS_ON_ITS_WAY: f64 = 0.33;
-
-/// An arrival that stands out: error and its standard uncertainty, µm.
-#[derive(Debug, Clone, Copy)]
-struct Slip {
-    arrival: usize,
-    error_um: f64,
-    u_um: f64,
-}
 
 /// The readings of a table that are gross errors, in its order.
 pub(crate) fn gross_errors(
@@ -338,50 +330,3 @@ fn off_um(comparison: &Comparison<'_>, without: &[usize]) -> Vec<Option<f64>> {
     };
     (0..cells.len()).map(off).collect()
 }
-
-/// Arrivals with values of their own in the model.
-struct Tested {
-    slips: Vec<Slip>,
-    drop: f64,
-    ln_p: f64,
-}
-
-impl Tested {
-    /// None if the model takes them as they are: then they cannot be tested.
-    fn new(left: &Projection, arrivals: &[usize], resolution_um: f64) -> Option<Self> {
-        let rank = arrivals.len();
-        let m = DMatrix::from_fn(rank, rank, |i, k| {
-            let taken = dot(left.shared_row(arrivals[i]), left.shared_row(arrivals[k]));
-            f64::from(u8::from(i == k)) - taken
-        });
-        let inverse = m.try_inverse()?;
-        if (0..rank).any(|k| !(0.0..LEAST_REDUNDANCY.recip()).contains(&inverse[(k, k)])) {
-            return None;
-        }
-        let e = DVector::from_fn(rank, |k, _| left.residuals[arrivals[k]]);
-        let errors = &inverse * &e;
-        let drop = errors.dot(&e);
-        let freedom = left.degrees_of_freedom - rank as f64;
-        // No less than the last digit of the readings has.
-        let rest = (left.squares() - drop).max(freedom * resolution_um.powi(2));
-        let s = (rest / freedom).sqrt();
-        let slip = |(k, error_um): (usize, &f64)| Slip {
-            arrival: arrivals[k],
-            error_um: *error_um,
-            u_um: s * inverse[(k, k)].sqrt(),
-        };
-        Some(Self {
-            slips: errors.iter().enumerate().map(slip).collect(),
-            ln_p: ln_f_test(drop, drop + rest, rank, left.degrees_of_freedom),
-            drop,
-        })
-    }
-}
-
-/// With fewer, Student's limit is beyond anything.
-pub(crate) const LEAST_DEGREES_OF_FREEDOM: f64 = 5.0;
-
-/// Drops of the sum of squares.
-const ALIKE: f64 = 0.81;
-
-const LEAST_REDUNDANCY: f64 = 1e-6;

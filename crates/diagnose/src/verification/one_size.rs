@@ -87,7 +87,7 @@ impl Stack<'_> {
             Column { whole, left }
         };
         let of_shape = |columns: &Cow<'_, [Vec<f64>]>| columns.iter().map(projected).collect();
-        let scale = problem.sigma_um / self.scales_um[number];
+        let scale = problem.whitening.sigma_um / self.scales_um[number];
         let folds = folds(series.plain.comparison).map(|rows| LeftOut::new(&model, rows));
         Beside {
             series,

@@ -31,9 +31,7 @@ pub(crate) struct Problem<'a> {
     pub(crate) calibrated: bool,
     /// Whether something that wanders is in the covariance.
     pub(crate) wanders: bool,
-    /// Standard deviation of an arrival that the rows are divided by, µm.
-    pub(crate) sigma_um: f64,
-    /// By what it is white.
+    /// By what the rows are white.
     pub(crate) whitening: Whitening<'a>,
     /// The part of its variance that the last digit of the readings has.
     pub(crate) least_variance: f64,
@@ -101,7 +99,6 @@ impl<'a> Problem<'a> {
             wanders: false,
             families: families(comparison, whitening).into(),
             level,
-            sigma_um,
             whitening,
             hidden,
             least_variance: (resolution_um / sigma_um).powi(2) + hidden,
@@ -146,7 +143,7 @@ impl<'a> Problem<'a> {
 
     /// Standard deviation of a single reading, µm.
     pub(crate) fn reading_um(&self) -> f64 {
-        self.sigma_um * (1.0 - self.hidden).max(0.0).sqrt()
+        self.whitening.sigma_um * (1.0 - self.hidden).max(0.0).sqrt()
     }
 
     /// A column over the readings as one of the model.
@@ -163,17 +160,17 @@ impl<'a> Problem<'a> {
     pub(crate) fn slow_rms_um(&self, squares: f64) -> f64 {
         let rho = self.whitening.correlation;
         let variance = squares.max(0.0) / self.readings() as f64 * (1.0 + rho) / (1.0 - rho);
-        self.sigma_um * variance.sqrt()
+        self.whitening.sigma_um * variance.sqrt()
     }
 
     /// Rms for one degree of freedom of what a model leaves and the last digit hides, µm.
     pub(crate) fn rms_um(&self, model: &Projection) -> f64 {
-        self.sigma_um * (model.squares() / model.degrees_of_freedom.max(1.0)).sqrt()
+        self.whitening.sigma_um * (model.squares() / model.degrees_of_freedom.max(1.0)).sqrt()
     }
 
     /// Standard deviation of a reading that a model leaves, µm: no less than the last digit has.
     pub(crate) fn noise_um(&self, model: &Projection) -> f64 {
-        let least_um = self.sigma_um * self.least_variance.sqrt();
+        let least_um = self.whitening.sigma_um * self.least_variance.sqrt();
         self.rms_um(model).max(least_um)
     }
 
@@ -182,6 +179,6 @@ impl<'a> Problem<'a> {
         let left = self.part(causes);
         let degrees_of_freedom = left.degrees_of_freedom - self.whitening.pseudo as f64;
         let seen = (left.squares() - self.hidden * degrees_of_freedom).max(0.0);
-        self.sigma_um * (seen / degrees_of_freedom.max(1.0)).sqrt()
+        self.whitening.sigma_um * (seen / degrees_of_freedom.max(1.0)).sqrt()
     }
 }

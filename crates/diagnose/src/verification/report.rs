@@ -208,7 +208,7 @@ pub(crate) fn places(problem: &Problem<'_>, before: &Projection, after: &Project
             // The rows' share of the degrees of freedom.
             let degrees_of_freedom = model.degrees_of_freedom - problem.whitening.pseudo as f64;
             let share = degrees_of_freedom / problem.readings() as f64;
-            problem.sigma_um * (squares / (rows.len() as f64 * share)).sqrt()
+            problem.whitening.sigma_um * (squares / (rows.len() as f64 * share)).sqrt()
         })
     };
     let by = |name, group: &dyn Fn(&Arrival) -> (usize, String)| {

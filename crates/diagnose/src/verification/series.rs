@@ -121,7 +121,7 @@ impl<'a> Series<'a> {
         let disturbances = wandered(problem, &courses, &after, gain.filter(|_| is_single));
         let misfit = |problem: &Problem<'_>, causes: &[Chosen], held: &HeldOut| Misfit {
             rms_um: problem.seen_rms_um(causes),
-            heldout_rms_um: held.rms().map(|rms| rms * problem.sigma_um),
+            heldout_rms_um: held.rms().map(|rms| rms * problem.whitening.sigma_um),
         };
         Entry {
             report: LevelReport {

@@ -62,7 +62,7 @@ impl<'s> Stack<'s> {
         let parts: Vec<Projection> = parts.collect();
         let rows = all.iter().map(|series| series.plain.readings());
         let scales = all.iter().zip(&scales_um);
-        let scales = scales.map(|(series, scale)| scale / series.plain.sigma_um);
+        let scales = scales.map(|(series, scale)| scale / series.plain.whitening.sigma_um);
         let numbered = parts.iter().zip(rows).zip(scales);
         let mut base = Projection::stacked(numbered.map(|((part, rows), s)| (part, rows, s)));
         if let Some(calibration) = calibration {

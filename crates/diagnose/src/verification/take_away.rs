@@ -22,7 +22,7 @@ pub(crate) fn takes_own_away(
     (0..own.len()).any(|number| {
         let series = &stack.all[number];
         let base = &series.model.problem.listed.base;
-        let to_sigma = stack.scales_um[number] / series.plain.sigma_um;
+        let to_sigma = stack.scales_um[number] / series.plain.whitening.sigma_um;
         let rows = stack.rows(number);
         let in_series = of_all.iter().map(|does| {
             let mut column: Vec<f64> = does[rows.clone()].iter().map(|x| x * to_sigma).collect();

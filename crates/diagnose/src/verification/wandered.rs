@@ -80,7 +80,10 @@ pub(crate) fn curve(
         let row: Vec<f64> = scaled.collect();
         let of_coordinate = |first: usize| {
             let (value, variance) = posterior.of(first, &row);
-            (value, noise_um / problem.sigma_um * variance.sqrt())
+            (
+                value,
+                noise_um / problem.whitening.sigma_um * variance.sqrt(),
+            )
         };
         let coordinates = (0..posterior.mean.len()).step_by(row.len());
         let (value_um, u_um) = coordinates.map(of_coordinate).unzip();

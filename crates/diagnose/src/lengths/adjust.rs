@@ -1,0 +1,159 @@
+//! The joint adjustment with rigid stages, with and without causes.
+
+use std::sync::Arc;
+
+use trueaxis_multilateration::{Network, Noise, Solution, Whitened, solve_from};
+use trueaxis_screening::estimate_noise;
+use trueaxis_selection::Fit;
+
+use crate::Error;
+use crate::engine::{Suspect, wandered_mm};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
+
+const MAX_ITERATIONS: usize = 8;
+
+/// Rounds of noise and disturbances: the first takes one for the other.
+const ROUNDS: usize = 3;
+
+impl Base<'_> {
+    /// Adjusts everything with `suspects` in the model, from their present parameters. Without
+    /// `noise` it is estimated.
+    pub(crate) fn adjust(
+        &self,
+        suspects: Vec<Suspect>,
+        noise: Option<Noise>,
+    ) -> Result<Adjusted, Error> {
+        self.adjust_from(None, suspects, noise)
+    }
+
+    /// The same in the noise of a model with other causes. What its rigid model and what wanders absorb serves again:
+    /// causes of some µm over a metre change that by a millionth.
+    pub(crate) fn adjust_near(
+        &self,
+        near: &Adjusted,
+        suspects: Vec<Suspect>,
+    ) -> Result<Adjusted, Error> {
+        let near_if_projected = Some(near).filter(|near| near.is_projected());
+        self.adjust_from(near_if_projected, suspects, Some(near.network.noise))
+    }
+
+    fn adjust_from(
+        &self,
+        near: Option<&Adjusted>,
+        mut suspects: Vec<Suspect>,
+        noise: Option<Noise>,
+    ) -> Result<Adjusted, Error> {
+        let mut solution = near.map_or(&self.start, |near| &near.solution).clone();
+        let mut network = self.network.clone();
+        let mut by_wandering_mm = vec![0.0; self.readings.len()];
+        for round in 1..=MAX_ITERATIONS {
+            self.correct(&mut network, &solution, &suspects);
+            if let Some(noise) = noise {
+                network.noise = noise;
+                solution = solve_from(&network, &solution)?;
+            } else {
+                network.noise = self.network.noise;
+                // What wanders is no noise.
+                let add = |network: &mut Network, sign: f64| {
+                    for (reading, mm) in network.readings.iter_mut().zip(&by_wandering_mm) {
+                        reading.length_mm += sign * mm;
+                    }
+                };
+                add(&mut network, -1.0);
+                solution = solve_from(&network, &solution)?;
+                estimate_noise(&mut network, &mut solution, self.declared)?;
+                add(&mut network, 1.0);
+                if !self.disturbances.is_empty() {
+                    solution = solve_from(&network, &solution)?;
+                }
+            }
+            let (whitened, before_causes) = match near {
+                Some(near) => {
+                    let mut residuals = solution.residuals_mm.clone();
+                    near.whitened.whiten(&mut residuals);
+                    let of_these = near.before_causes.with_residuals(&residuals);
+                    (Arc::clone(&near.whitened), of_these)
+                }
+                None => {
+                    let whitened = Arc::new(Whitened::new(&network, &solution));
+                    let before_causes = self.before_causes(&whitened, &solution);
+                    (whitened, before_causes)
+                }
+            };
+            let mut adjusted = Adjusted {
+                projection: before_causes.clone(),
+                before_causes: Arc::new(before_causes),
+                network,
+                solution,
+                whitened,
+                suspects,
+            };
+            let is_known = noise.is_some() || self.disturbances.is_empty() || round >= ROUNDS;
+            if adjusted.suspects.is_empty() && is_known {
+                return Ok(adjusted);
+            }
+            let columns = self.columns_of_suspects(&adjusted);
+            let fit = Fit::new(&adjusted.projection, &columns);
+            let rests = adjusted.update(&fit);
+            if !is_known || rests {
+                adjusted.projection = adjusted.projection.extended(&columns);
+            }
+            if is_known && rests {
+                return Ok(adjusted);
+            }
+            if !is_known {
+                by_wandering_mm = wandered_mm(self, &adjusted, None);
+            }
+            Adjusted {
+                network,
+                solution,
+                suspects,
+                ..
+            } = adjusted;
+        }
+        // The parameters move by more than their rest: the last linear step is still the best there is.
+        let mut adjusted = self.adjust_given(suspects, network.noise)?;
+        let columns = self.columns_of_suspects(&adjusted);
+        adjusted.projection = adjusted.projection.extended(&columns);
+        Ok(adjusted)
+    }
+
+    fn columns_of_suspects(&self, adjusted: &Adjusted) -> Vec<Vec<f64>> {
+        let suspects = adjusted.suspects.iter();
+        suspects
+            .flat_map(|s| self.columns(adjusted, &s.hypothesis, s.shape))
+            .collect()
+    }
+
+    /// Adjusts everything with the causes as they are.
+    pub(crate) fn adjust_given(
+        &self,
+        suspects: Vec<Suspect>,
+        noise: Noise,
+    ) -> Result<Adjusted, Error> {
+        let mut network = self.network.clone();
+        network.noise = noise;
+        self.correct(&mut network, &self.start, &suspects);
+        let solution = solve_from(&network, &self.start)?;
+        let whitened = Arc::new(Whitened::new(&network, &solution));
+        let before_causes = self.before_causes(&whitened, &solution);
+        Ok(Adjusted {
+            projection: before_causes.clone(),
+            before_causes: Arc::new(before_causes),
+            network,
+            solution,
+            whitened,
+            suspects,
+        })
+    }
+
+    /// The lengths less what the causes do to them: exact distances between displaced points.
+    fn correct(&self, network: &mut Network, solution: &Solution, suspects: &[Suspect]) {
+        for (i, reading) in self.readings.iter().enumerate() {
+            let measured_mm = self.network.readings[i].length_mm;
+            network.readings[i].length_mm =
+                measured_mm - self.effect_mm(reading, solution, suspects);
+        }
+    }
+}
