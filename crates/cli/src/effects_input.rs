@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Context;
 use serde::Deserialize;
 use trueaxis_effects::{
-    EffectsFile, GivenEffect, GivenParameter, GivenSubject, LOST_MOTION, ResolvedEffects, Scene,
+    EffectsFile, GivenEffect, GivenParameter, GivenSubject, ResolvedEffects, Scene,
 };
 
 use crate::given_file::read_text;
@@ -88,8 +88,11 @@ pub(crate) fn read(path: &Path, scene: &Scene, campaign: &str) -> anyhow::Result
             "the effects were found in another campaign, `{other}`"
         ));
     }
-    let is_kept = |effect: &GivenEffect| LOST_MOTION.contains(&effect.effect.as_str());
-    if file.effects.iter().any(is_kept) {
+    if resolved
+        .effects
+        .iter()
+        .any(|own| own.effect.is_lost_motion())
+    {
         notice(
             "lost motion is taken out, but the machine still has it: for its errors in use, calibrate --by-direction without --with-effects",
         );

@@ -2,7 +2,7 @@
 
 use trueaxis_calibrate::{Calibration, calibrate_with_adjustment};
 use trueaxis_campaign::{Campaign, Lengths, Points};
-use trueaxis_effects::Scene;
+use trueaxis_effects::{CROSS_COUPLING, Scene};
 use trueaxis_poses::{LengthsAdjustment, at_one_temperature};
 use trueaxis_predict::{CalibratedMachine, check_same_machine};
 
@@ -265,7 +265,7 @@ fn with_runs(
     }
     diagnosis
         .not_observable
-        .retain(|unseen| unseen.effect != "cross_coupling");
+        .retain(|unseen| unseen.effect != CROSS_COUPLING.id);
     diagnosis.take(said);
     Ok(())
 }

@@ -65,7 +65,7 @@ mod wandering;
 mod whitening;
 
 use trueaxis_campaign::{Campaign, Verification};
-use trueaxis_effects::Scene;
+use trueaxis_effects::{Effect, Level, Scene, effect};
 use trueaxis_kinematics::{AxisKind, Machine};
 use trueaxis_predict::{CalibratedMachine, GIVE_COMMANDED, are_read_out};
 
@@ -74,7 +74,7 @@ use crate::components::diagnose_line_curve;
 use crate::said::Said;
 use crate::verification::alike::alike_scales;
 use crate::verification::autocorrelation::{Noise, alike_neighbours};
-use crate::verification::comparison::{Comparison, TIMESTAMP_OFFSET};
+use crate::verification::comparison::Comparison;
 use crate::verification::copied::copied;
 use crate::verification::given_once::{given_once, keep_rows_given_once};
 use crate::verification::gross_errors::gross_errors;
@@ -283,7 +283,7 @@ fn judged<'a>(
     }
     // Late time stamps look like it.
     let mut others = found.model.causes.clone();
-    others.retain(|cause| found.plain.listed.hypothesis(cause).effect.id != TIMESTAMP_OFFSET);
+    others.retain(|cause| !found.plain.listed.hypothesis(cause).effect.is_delay());
     if let Some([size, most]) = beyond_drives(&found.plain, &others) {
         let unit = match comparison.machine.axes()[comparison.axis()].kind() {
             AxisKind::Linear => "µm",
@@ -308,9 +308,9 @@ fn judged<'a>(
     }
     let unseen = not_observable(&found.plain, scene, name);
     // What the mean curve absorbs was looked for in the curve itself.
-    let in_curve = |id: &str| {
-        is_explained && ["scale_error", "cyclic_error", "encoder_eccentricity"].contains(&id)
-    };
+    let is_of_curve =
+        |own: &Effect| own.levels.contains(&Level::Components) && !own.is_lost_motion();
+    let in_curve = |id: &str| is_explained && effect(id).is_some_and(is_of_curve);
     let unseen = unseen.into_iter().filter(|u| !in_curve(u.effect));
     outcome.not_observable.extend(unseen);
     Some(found)

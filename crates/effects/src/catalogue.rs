@@ -49,8 +49,14 @@ mod worm_gear;
 
 use crate::Effect;
 
-/// Lost motion in its forms: constant, and changing along the axis.
-pub const LOST_MOTION: [&str; 2] = [backlash::EFFECT.id, position_dependent_backlash::EFFECT.id];
+/// Lost motion that is the same all along an axis.
+pub const BACKLASH: &Effect = &backlash::EFFECT;
+
+/// Lost motion that changes along an axis.
+pub const POSITION_DEPENDENT_BACKLASH: &Effect = &position_dependent_backlash::EFFECT;
+
+/// What one axis does to the errors of another.
+pub const CROSS_COUPLING: &Effect = &cross_coupling::EFFECT;
 
 pub(crate) use backlash::OVER_COMPENSATED;
 pub use position_dependent_backlash::LOST_MOTION_OF_BOTH_SIGNS;

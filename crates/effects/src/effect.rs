@@ -1,5 +1,7 @@
 //! What an effect is: a name, where it is looked for, its parameters, and one formula.
 
+use trueaxis_kinematics::{Axis, AxisKind, Component};
+
 use crate::{Form, Scene, Shape, Subject};
 
 /// A physical effect: a hypothesis about what disturbs the readings.
@@ -39,7 +41,73 @@ impl Effect {
     pub fn moves_station(&self) -> bool {
         matches!(self.form, Form::Station(_))
     }
+
+    /// Whether it makes lengths longer in proportion to the distance.
+    pub fn scales_lengths(&self) -> bool {
+        matches!(self.form, Form::Scale(_))
+    }
+
+    /// Whether it makes readings late, so that it goes with the speed of an axis.
+    pub fn is_delay(&self) -> bool {
+        matches!(self.form, Form::Delay(_))
+    }
+
+    /// Whether it parts the two sides from which an axis approaches.
+    pub fn is_lost_motion(&self) -> bool {
+        matches!(self.form, Form::LostMotion(_))
+    }
+
+    /// Whether the scale of an axis changes while it is measured.
+    pub fn grows_axis(&self) -> bool {
+        matches!(self.form, Form::Growth(_))
+    }
+
+    /// Whether it is a slope of the positioning of an axis.
+    pub fn is_scale_of_axis(&self) -> bool {
+        matches!(self.form, Form::Positioning(_))
+    }
+
+    /// How many waves it has in a turn of a rotary axis, at a shape.
+    pub fn waves(&self, shape: f64) -> Option<f64> {
+        match self.form {
+            Form::WavesAbout(waves) => Some(waves.unwrap_or(shape)),
+            Form::WavesAcross(_) => Some(shape),
+            _ => None,
+        }
+    }
+
+    /// Whether it is told by the curve of a component error of an axis, across a rotary axis with that of the other direction:
+    ///
+    /// | curves | effects |
+    /// | --- | --- |
+    /// | positioning of a linear axis | a scale, periods |
+    /// | any other of a linear axis, δ along a rotary one | periods |
+    /// | ε about a rotary axis | waves about it |
+    /// | δ across, ε across a rotary axis | waves across it |
+    pub fn is_of_curve(&self, axis: &Axis, component: Component) -> bool {
+        let is_along = component.index() % 3 == axis.principal();
+        let is_angular = component.is_angular();
+        match (&self.form, axis.kind()) {
+            (Form::Positioning(_), AxisKind::Linear) => is_along && !is_angular,
+            (Form::Component(_), AxisKind::Linear) => true,
+            (Form::Component(_), AxisKind::Rotary) => is_along && !is_angular,
+            (Form::WavesAbout(_), AxisKind::Rotary) => is_along && is_angular,
+            (Form::WavesAcross(two), AxisKind::Rotary) => {
+                !is_along && two[0].is_angular() == is_angular
+            }
+            _ => false,
+        }
+    }
 }
+
+/// Effects are the same if their names are.
+impl PartialEq for Effect {
+    fn eq(&self, other: &Self) -> bool {
+        self.id == other.id
+    }
+}
+
+impl Eq for Effect {}
 
 /// By name: the rest stands in the catalogue.
 impl std::fmt::Debug for Effect {

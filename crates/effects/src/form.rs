@@ -13,15 +13,18 @@
 //! frame of what carries the axis, and R the orientation of that frame, from the commanded positions.
 
 use nalgebra::Vector3;
-use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, MICROMETRE, MotionError};
+use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, Component, MICROMETRE, MotionError};
 
-use crate::{Circumstances, Displaced, Effect, Layer, Shape, Subject};
+use crate::waves::{waves_about_axis, waves_across_axis};
+use crate::{Circumstances, Displaced, Effect, Layer, PPM, Shape, Subject};
 
 /// The way an effect acts, with its formula for one unit of one parameter.
 #[derive(Clone, Copy)]
 pub(crate) enum Form {
     /// The instrument shows more than the distance, mm.
     Length(fn(&AtReading<'_>) -> f64),
+    /// It shows so many parts per million more.
+    Scale(fn(&AtReading<'_>) -> f64),
     /// The station moves along the reference direction of the parameter, mm; the fourth to sixth parameter of the
     /// frame of an instrument turn it about the origin, one arcsec where the others are one µm.
     Station(fn(&AtReading<'_>) -> f64),
@@ -31,10 +34,22 @@ pub(crate) enum Form {
     TargetOnStage(fn(&AtReading<'_>) -> f64),
     /// The target moves, mm in the reference frame.
     Displacement(fn(&AtReading<'_>) -> Vector3<f64>),
-    /// The axis goes further than its position says, mm or rad, and takes the target with it.
-    Axis(fn(&AtReading<'_>) -> f64),
-    /// The component errors of the axis change, before the least-squares gauge.
-    Curve(fn(&OnCurve<'_>) -> MotionError),
+    /// The axis goes further by so much of its position, and takes the target with it.
+    Growth(fn(&AtReading<'_>) -> f64),
+    /// Readings are so many seconds late: the axis that moves is further on by its way in that time.
+    Delay(f64),
+    /// The axis that moves stands short of its position, by half of so many µm or arcsec, on the side from which it came.
+    LostMotion(fn(&AtReading<'_>) -> f64),
+    /// The positioning error of the axis changes, mm.
+    Positioning(fn(&OnCurve<'_>) -> f64),
+    /// The component error of the subject changes.
+    Component(fn(&OnCurve<'_>) -> MotionError),
+    /// The angle about a rotary axis changes in waves, so many per turn, or as many as the shape says.
+    WavesAbout(Option<f64>),
+    /// The two of these components across a rotary axis change in waves, as many per turn as the shape says.
+    WavesAcross([Component; 3]),
+    /// Several component errors of the axis change together.
+    Curves(fn(&OnCurve<'_>) -> MotionError),
 }
 
 /// One unit of one parameter of an effect on a subject, somewhere.
@@ -93,8 +108,24 @@ impl AtReading<'_> {
     }
 
     /// Whether the axis of the subject is the one that moves between the readings.
-    pub(crate) fn is_of_moving_axis(&self) -> bool {
+    fn is_of_moving_axis(&self) -> bool {
         self.subject.axis == Some(self.at.axis)
+    }
+
+    /// The displacement of the target if the axis of the subject goes further, by mm or rad.
+    fn further(&self, by: f64) -> Displaced {
+        let axis = self.subject.axis;
+        axis.map_or_else(Displaced::default, |axis| {
+            Displaced::point(self.at.unit_motion(axis) * by)
+        })
+    }
+
+    /// One µm, of a rotary axis one arcsec, in mm or rad.
+    fn unit(&self) -> f64 {
+        match self.axis().map(Axis::kind) {
+            Some(AxisKind::Rotary) => ARCSEC,
+            _ => MICROMETRE,
+        }
     }
 }
 
@@ -126,14 +157,19 @@ impl Effect {
         let along = |mm: f64| Vector3::ith(parameter, mm);
         match self.form {
             Form::Length(value) => Displaced::length(value(&of)),
+            Form::Scale(value) => Displaced::length(PPM * at.distance_mm * value(&of)),
             Form::Station(value) => Displaced::station(of.frame_motion(value(&of))),
             Form::Target(value) => Displaced::point(along(value(&of))),
             Form::TargetOnStage(value) => Displaced::point(at.ref_from_stage() * along(value(&of))),
             Form::Displacement(value) => Displaced::point(value(&of)),
-            Form::Axis(value) => subject.axis.map_or_else(Displaced::default, |axis| {
-                Displaced::point(at.unit_motion(axis) * value(&of))
-            }),
-            Form::Curve(_) => subject.axis.map_or_else(Displaced::default, |axis| {
+            Form::Growth(value) => of.further(value(&of) * of.position()),
+            Form::Delay(late_s) if of.is_of_moving_axis() => of.further(at.speed_per_s * late_s),
+            Form::LostMotion(value) if of.is_of_moving_axis() => {
+                of.further(-0.5 * at.direction * of.unit() * value(&of))
+            }
+            Form::Delay(_) | Form::LostMotion(_) => Displaced::default(),
+            // Error curves.
+            _ => subject.axis.map_or_else(Displaced::default, |axis| {
                 let place = AxisPosition {
                     axis: &at.machine.axes()[axis],
                     position: at.position(axis),
@@ -169,13 +205,20 @@ impl Effect {
         shape: f64,
         at: &AxisPosition<'_>,
     ) -> MotionError {
+        let of = Term {
+            subject,
+            parameter,
+            shape,
+            at,
+        };
         match self.form {
-            Form::Curve(value) => value(&Term {
-                subject,
-                parameter,
-                shape,
-                at,
-            }),
+            Form::Positioning(value) => {
+                let along = at.axis.direction().into_inner();
+                MotionError::new(along * value(&of), Vector3::zeros())
+            }
+            Form::Component(value) | Form::Curves(value) => value(&of),
+            Form::WavesAbout(waves) => waves_about_axis(waves.unwrap_or(shape), &of),
+            Form::WavesAcross(components) => waves_across_axis(components, &of),
             _ => MotionError::default(),
         }
     }

@@ -58,7 +58,10 @@ mod subject;
 mod temperature;
 mod waves;
 
-pub use catalogue::{LOST_MOTION, LOST_MOTION_OF_BOTH_SIGNS, catalogue, effect};
+pub use catalogue::{
+    BACKLASH, CROSS_COUPLING, LOST_MOTION_OF_BOTH_SIGNS, POSITION_DEPENDENT_BACKLASH, catalogue,
+    effect,
+};
 pub use circumstances::Circumstances;
 pub use displaced::Displaced;
 pub use effect::{Effect, Explanation, Layer, Level, Parameter};

@@ -1,6 +1,6 @@
 //! One effect with its values in a scene, ready to displace readings.
 
-use crate::catalogue::{LOST_MOTION, OVER_COMPENSATED};
+use crate::catalogue::OVER_COMPENSATED;
 use crate::shape::{shape_parameter, to_file};
 use crate::{Circumstances, Displaced, Effect, Explanation, Parameter, Scene, Subject};
 use crate::{GivenEffect, GivenParameter, GivenSubject};
@@ -38,7 +38,7 @@ impl ResolvedEffect {
 
     /// The same if its first parameter has this value.
     pub fn explanation_at(&self, value: f64) -> Explanation {
-        match LOST_MOTION.contains(&self.effect.id) && value < 0.0 {
+        match self.effect.is_lost_motion() && value < 0.0 {
             true => OVER_COMPENSATED,
             false => self.effect.explanation,
         }

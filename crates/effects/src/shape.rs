@@ -26,8 +26,8 @@ pub enum Shape {
     Lag,
     /// A period along the axis, mm or rad.
     Period,
-    /// A whole number of waves per turn.
-    Waves,
+    /// A whole number of waves per turn, from one on that is no other effect's.
+    Waves(u32),
 }
 
 const DEGREES: &str = "deg";
@@ -41,7 +41,7 @@ pub fn shape_parameter(effect: &Effect, scene: &Scene, subject: &Subject) -> Opt
         Shape::Fixed => return None,
         Shape::Instant | Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => "s",
         Shape::Period => scene.unit(subject, "mm", DEGREES),
-        Shape::Waves => "1",
+        Shape::Waves(_) => "1",
     };
     effect.shape.name().map(|name| Parameter::new(name, unit))
 }
@@ -54,7 +54,7 @@ impl Shape {
             Self::Instant => Some("time"),
             Self::TimeConstant | Self::SettlingTime | Self::Lag => Some("time_constant"),
             Self::Period => Some("period"),
-            Self::Waves => Some("waves"),
+            Self::Waves(_) => Some("waves"),
         }
     }
 
@@ -65,7 +65,7 @@ impl Shape {
                 "more than zero"
             }
             Self::Lag if value < 0.0 => "zero or more",
-            Self::Waves if value < 1.0 || value.fract() != 0.0 => "a whole number from 1",
+            Self::Waves(_) if value < 1.0 || value.fract() != 0.0 => "a whole number from 1",
             _ => return Ok(()),
         };
         Err(Problem::Value { value, expected })

@@ -1,7 +1,7 @@
 //! What a diagnosis says about its causes.
 
 use trueaxis_diagnose::{Cause, Change, EstimatedParameter, LevelReport, Rival};
-use trueaxis_effects::{LOST_MOTION, ResolvedEffect, Scene};
+use trueaxis_effects::{ResolvedEffect, Scene};
 
 use crate::diagnose::in_words;
 use crate::diagnose::layout::labelled;
@@ -74,7 +74,7 @@ pub(crate) fn of_misfit(
 /// Whether all that is open of a lost motion is whether it is the same all along the axis.
 pub(crate) fn is_clear_but_for_its_form(cause: &Cause) -> bool {
     let is_form = |effect: &ResolvedEffect| {
-        LOST_MOTION.contains(&effect.effect.id) && effect.subject == cause.effect.subject
+        effect.effect.is_lost_motion() && effect.subject == cause.effect.subject
     };
     let is_other_form = |rival: &Rival| match rival {
         Rival::Effect { effect, .. } => is_form(effect),

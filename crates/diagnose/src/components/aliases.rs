@@ -69,7 +69,7 @@ impl SetSearch {
 fn aliases(set: &CurveSet, candidate: &Candidate, shape: f64) -> Vec<f64> {
     let of_shape: fn(f64) -> f64 = match candidate.hypothesis.effect.shape {
         Shape::Period => f64::recip,
-        Shape::Waves => |waves| waves / TAU,
+        Shape::Waves(_) => |waves| waves / TAU,
         _ => return Vec::new(),
     };
     let (frequency, sampling, most) = (of_shape(shape), set.step().recip(), measured_most(set));

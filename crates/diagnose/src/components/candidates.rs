@@ -1,11 +1,4 @@
-//! What is looked for in which curves.
-//!
-//! | curves | effects | shapes |
-//! | --- | --- | --- |
-//! | positioning of a linear axis | `scale_error`, `cyclic_error` | periods |
-//! | any other of a linear axis, δ along a rotary one | `cyclic_error` | periods |
-//! | ε about a rotary axis | `encoder_eccentricity`, `encoder_ellipticity`, `worm_gear` | 3 waves a turn and up |
-//! | δ across, ε across a rotary axis | `axis_runout`, `axis_wobble` | 1 wave a turn and up |
+//! What is looked for in which curves: the effects of which one curve alone tells ([`Effect::is_of_curve`]).
 //!
 //! `guideway_bow` joins two sets ([`crate::components::bow`]). Periods run from twice the step, the
 //! shortest that equal steps tell from a longer one, to half the travel: what does not repeat at least
@@ -16,8 +9,7 @@
 
 use std::f64::consts::TAU;
 
-use trueaxis_effects::{Effect, Scene, Subject, effect};
-use trueaxis_kinematics::AxisKind;
+use trueaxis_effects::{Effect, Scene, Shape, Subject, catalogue};
 use trueaxis_selection::Hypothesis;
 
 use crate::components::curve_set::CurveSet;
@@ -31,9 +23,6 @@ pub(crate) struct Candidate {
     /// Periods (mm, rad), waves per turn, or a zero for an effect without shape.
     pub(crate) shapes: Vec<f64>,
 }
-
-/// The effect that is a slope.
-pub(crate) const SCALE: &str = "scale_error";
 
 /// Frequencies in one over the travel: at half of this distance from a grid point a sine is 13 % of a
 /// radian off at the ends, and less than 1 % of its squares are lost.
@@ -51,31 +40,19 @@ const STEPS_PER_PERIOD: f64 = 2.0;
 /// All candidates of a set.
 pub(crate) fn candidates(set: &CurveSet, scene: &Scene) -> Vec<Candidate> {
     let first = set.components[0];
-    let along = first.index() % 3 == set.content.principal();
-    let cyclic = || {
-        let subject = Subject::component(set.axis, first);
-        ("cyclic_error", subject, periods(set))
+    let of_set = |effect: &&&Effect| effect.is_of_curve(&set.content, first);
+    let candidate = |effect: &&'static Effect| {
+        let (subject, shapes) = match effect.shape {
+            Shape::Period => (Subject::component(set.axis, first), periods(set)),
+            Shape::Waves(fewest) => (Subject::axis(set.axis), waves(set, fewest)),
+            _ => (Subject::axis(set.axis), vec![0.0]),
+        };
+        (!shapes.is_empty()).then(|| Candidate::new(effect, subject, shapes, scene))
     };
-    let on_axis = |id, shapes| (id, Subject::axis(set.axis), shapes);
-    let wanted = match set.content.kind() {
-        AxisKind::Linear if along && !first.is_angular() => {
-            vec![on_axis(SCALE, vec![0.0]), cyclic()]
-        }
-        AxisKind::Linear => vec![cyclic()],
-        AxisKind::Rotary if along && first.is_angular() => vec![
-            on_axis("encoder_eccentricity", vec![0.0]),
-            on_axis("encoder_ellipticity", vec![0.0]),
-            on_axis("worm_gear", waves(set, 3)),
-        ],
-        AxisKind::Rotary if along => vec![cyclic()],
-        AxisKind::Rotary if first.is_angular() => vec![on_axis("axis_wobble", waves(set, 1))],
-        AxisKind::Rotary => vec![on_axis("axis_runout", waves(set, 1))],
-    };
-    let known = wanted.into_iter().filter_map(|(id, subject, shapes)| {
-        Some(Candidate::new(effect(id)?, subject, shapes, scene))
-    });
-    known
-        .filter(|candidate| !candidate.shapes.is_empty())
+    catalogue()
+        .iter()
+        .filter(of_set)
+        .filter_map(candidate)
         .collect()
 }
 
@@ -158,18 +135,14 @@ pub(crate) fn waves_apart(set: &CurveSet) -> Option<f64> {
 /// Whether the positions show enough of the waves of a turn to give them their name. Without it they still take their part of a
 /// curve, which others would share among them.
 pub(crate) fn shows_its_waves(set: &CurveSet, effect: &Effect, shape: f64) -> bool {
-    let waves = match effect.id {
-        "encoder_eccentricity" => 1.0,
-        "encoder_ellipticity" => 2.0,
-        "worm_gear" | "axis_wobble" | "axis_runout" => shape,
-        _ => return true,
-    };
-    let enough = if waves <= KNOWN_WAVES {
-        1.0
-    } else {
-        FEWEST_PERIODS
-    };
-    waves * range(set) >= enough - ROUNDING
+    effect.waves(shape).is_none_or(|waves| {
+        let enough = if waves <= KNOWN_WAVES {
+            1.0
+        } else {
+            FEWEST_PERIODS
+        };
+        waves * range(set) >= enough - ROUNDING
+    })
 }
 
 /// The part of a turn that the positions go through: the last of equal steps that close the turn is the first.

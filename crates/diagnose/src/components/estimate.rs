@@ -68,7 +68,7 @@ pub(crate) fn estimate(
             (mean, covariance) = mixture(backgrounds, &columns);
             u_shape = covariance[(linear, linear)].max(0.0).sqrt();
             let limit = match kind {
-                Shape::Waves => waves_apart(set).unwrap_or_default(),
+                Shape::Waves(_) => waves_apart(set).unwrap_or_default(),
                 _ => spacing(set, free),
             };
             let step = mean[linear].clamp(-limit, limit);
@@ -79,7 +79,7 @@ pub(crate) fn estimate(
         }
     }
     let shape = match kind {
-        Shape::Waves => free.round(),
+        Shape::Waves(_) => free.round(),
         _ => free,
     };
     let parameters: Vec<f64> = mean.rows(0, linear).iter().copied().collect();
@@ -99,7 +99,7 @@ pub(crate) fn estimate(
 fn range_of_shape(set: &CurveSet, kind: Shape, shape: f64) -> Option<[f64; 2]> {
     match kind {
         Shape::Period if !is_shortest(set, shape) => Some([shortest_told(set), set.travel()]),
-        Shape::Waves => waves_apart(set).map(|_| [1.0, most_waves(set).max(shape)]),
+        Shape::Waves(_) => waves_apart(set).map(|_| [1.0, most_waves(set).max(shape)]),
         _ => None,
     }
 }

@@ -8,7 +8,7 @@ use trueaxis_selection::{Fit, Null, Scan, Score, by_evidence, cosine, is_rival};
 use crate::cause::{Cause, Rival};
 use crate::components::background::{Background, Smooth, backgrounds, smooth_rests};
 use crate::components::bow::{BOW, OfCurve, Pair, cause_of_bow, variance_factor};
-use crate::components::candidates::{Candidate, SCALE, candidates, shows_its_waves};
+use crate::components::candidates::{Candidate, candidates, shows_its_waves};
 use crate::components::curve_set::CurveSet;
 use crate::components::estimate::{Estimate, estimate};
 use crate::components::family::{Family, LEVEL};
@@ -107,7 +107,7 @@ impl<'a> Search<'a> {
             for found in named {
                 let mut found = found.clone();
                 // A scale is the slope of a positioning, as a bow is that of an angle.
-                if found.candidate.hypothesis.effect.id == SCALE {
+                if found.candidate.hypothesis.effect.is_scale_of_axis() {
                     found.estimate.covariance *= factors[1];
                 }
                 causes.push(report::cause(&search.set, &found, self.scene));

@@ -294,10 +294,12 @@ fn alternated<D: Wanders>(
 fn is_of(culprits: &Culprits, wanderer: Wanderer) -> bool {
     culprits.any(|culprit| match (*culprit, wanderer.who, wanderer.with) {
         (Culprit::Station(own, _), Who::Station(other), With::Occupation)
-        | (Culprit::Target(own, _), Who::Target(other), With::Campaign)
-        | (Culprit::Axis(own, "axis_expansion"), Who::Axis(other), With::Campaign) => own == other,
+        | (Culprit::Target(own, _), Who::Target(other), With::Campaign) => own == other,
+        (Culprit::Axis(own, by), Who::Axis(other), With::Campaign) => {
+            own == other && by.grows_axis()
+        }
         (Culprit::EveryOccupation, Who::Machine | Who::Tripods | Who::Frame, _) => true,
-        (Culprit::Everything(layer, _), Who::Air, _) => layer == Layer::Instrument,
+        (Culprit::Everything(by), Who::Air, _) => by.layer == Layer::Instrument,
         _ => false,
     })
 }

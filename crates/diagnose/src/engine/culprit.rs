@@ -1,6 +1,6 @@
 //! What causes make responsible, and whether two are the same trouble under two names.
 
-use trueaxis_effects::Layer;
+use trueaxis_effects::Effect;
 
 use crate::engine::{Found, Measured};
 
@@ -11,11 +11,11 @@ pub(crate) enum Culprit {
     Station(usize, bool),
     Target(usize, bool),
     /// An axis in one way.
-    Axis(usize, &'static str),
+    Axis(usize, &'static Effect),
     /// Something that goes on through every occupation, or moves all points or the frame that they are measured in.
     EveryOccupation,
     /// The whole campaign in one way.
-    Everything(Layer, &'static str),
+    Everything(&'static Effect),
 }
 
 /// What a cause and its rivals make responsible.

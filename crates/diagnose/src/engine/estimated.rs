@@ -90,7 +90,7 @@ fn estimated<D: Measured>(
         Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => {
             (covariance, u_shape) = with_time_constant(data, model, suspect);
         }
-        Shape::Fixed | Shape::Instant | Shape::Period | Shape::Waves => {}
+        Shape::Fixed | Shape::Instant | Shape::Period | Shape::Waves(_) => {}
     }
     let linear = (&suspect.parameters[..], &covariance[..], &suspect.seen[..]);
     let shape = (suspect.shape, u_shape);

@@ -116,7 +116,7 @@ fn scan_at<D: Measured>(
         Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => {
             data.shapes(hypothesis.effect.shape)
         }
-        Shape::Fixed | Shape::Period | Shape::Waves => vec![0.0],
+        Shape::Fixed | Shape::Period | Shape::Waves(_) => vec![0.0],
     };
     let scan = FixedScan::new(hypothesis, projection, &shapes, columns)?;
     Some(Box::new(scan))

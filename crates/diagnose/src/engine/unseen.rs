@@ -28,9 +28,9 @@ pub(crate) fn unseen(
 pub(crate) fn without_trace(
     scene: &Scene,
     hypotheses: &[Hypothesis],
-    reason: impl Fn(&'static str) -> &'static str,
+    reason: impl Fn(&Effect) -> &'static str,
 ) -> Vec<NotObservable> {
-    let alike = hypotheses.chunk_by(|a, b| a.effect.id == b.effect.id);
+    let alike = hypotheses.chunk_by(|a, b| a.effect == b.effect);
     let of_effect = |own: &[Hypothesis]| {
         let effect = own[0].effect;
         let names = own.iter().map(|h| match in_words(&h.subject, scene) {
@@ -39,13 +39,13 @@ pub(crate) fn without_trace(
         });
         let names: Vec<String> = names.collect();
         let bias = ("calibration", effect.explanation.consequence);
-        let unseen = unseen(effect, names.join(", "), reason(effect.id), bias);
-        match effect.id {
-            "backlash" => NotObservable {
+        let unseen = unseen(effect, names.join(", "), reason(effect), bias);
+        match effect.is_lost_motion() {
+            true => NotObservable {
                 measure: "measure the axis from both sides".to_owned(),
                 ..unseen
             },
-            _ => unseen,
+            false => unseen,
         }
     };
     alike.map(of_effect).collect()

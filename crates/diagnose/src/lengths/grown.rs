@@ -12,9 +12,6 @@ use crate::engine::disturbance::{Wanderer, Who, With};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 
-/// Effects that scale the lengths.
-const SCALES: [&str; 2] = ["station_scale", "refraction_drift"];
-
 /// Adds to scales of lengths the machine that wanders, where one that grows by the same course explains nearly as much.
 pub(crate) fn add_growth(
     base: &Base<'_>,
@@ -27,7 +24,7 @@ pub(crate) fn add_growth(
     for (k, found) in found.iter_mut().enumerate() {
         let hypothesis = found.suspect.hypothesis;
         // The temperature of the air is not that of the machine.
-        if !SCALES.contains(&hypothesis.effect.id) || hypothesis.subject.column.is_some() {
+        if !hypothesis.effect.scales_lengths() || hypothesis.subject.column.is_some() {
             continue;
         }
         let mut others = adjusted.suspects.clone();

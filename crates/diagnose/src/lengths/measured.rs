@@ -119,12 +119,12 @@ impl Measured for Base<'_> {
             return Culprit::EveryOccupation;
         }
         match (subject.axis, subject.target, subject.station) {
-            (Some(axis), _, _) => Culprit::Axis(axis, effect.id),
+            (Some(axis), _, _) => Culprit::Axis(axis, effect),
             (_, Some(target), _) => Culprit::Target(target, at_an_instant),
             (_, _, Some(station)) => Culprit::Station(station, at_an_instant),
             _ if at_an_instant => Culprit::Station(during(), true),
             _ if effect.moves_machine() || is_of_stations() => Culprit::EveryOccupation,
-            _ => Culprit::Everything(effect.layer, effect.id),
+            _ => Culprit::Everything(effect),
         }
     }
 

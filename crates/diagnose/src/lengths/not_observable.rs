@@ -1,18 +1,17 @@
 //! Effects that these lengths cannot show.
 
-use trueaxis_effects::{Effect, Level, Medium, Scene, catalogue, effect};
+use trueaxis_effects::{Effect, Level, Medium, Scene, Shape, catalogue, effect};
 use trueaxis_kinematics::AxisKind;
 use trueaxis_selection::Hypothesis;
 
 use crate::NotObservable;
 use crate::engine::{length_scale, unseen, without_trace};
 
+/// What an unknown of the adjustment takes.
+const REFLECTOR_OFFSET: &str = "reflector_offset";
+
 /// What no data of this kind show, and what these data have no trace of.
-pub(crate) fn not_observable(
-    scene: &Scene,
-    unseen_here: &[Hypothesis],
-    both_sides: bool,
-) -> Vec<NotObservable> {
+pub(crate) fn not_observable(scene: &Scene, unseen_here: &[Hypothesis]) -> Vec<NotObservable> {
     let linear = scene.moving_axes(AxisKind::Linear);
     let of_scale = linear.map(|axis| {
         let content = &scene.machine.axes()[axis];
@@ -31,25 +30,22 @@ pub(crate) fn not_observable(
             ("dead path", "1 um per um; no error of the machine"),
         )
     }));
-    list.extend(without_trace(scene, unseen_here, |id| match id {
-        "backlash" => "all its stops are approached from one side",
-        "reflector_offset" => {
+    list.extend(without_trace(scene, unseen_here, |effect| match effect.shape {
+        Shape::Lag => "the logged temperature hardly changes",
+        _ if effect.is_lost_motion() => "all its stops are approached from one side",
+        _ if effect.is_delay() => "the machine stands still at the stops",
+        _ if effect.id == REFLECTOR_OFFSET => {
             "the constant of its reflector is an unknown of the adjustment: `reflectors` of calibration.json has it"
         }
-        "thermal_growth" => "the logged temperature hardly changes",
-        "timestamp_offset" => "the machine stands still at the stops",
         _ => "stations, poses and shapes of the targets absorb all of it",
     }));
-    for entry in list.iter_mut().filter(|e| e.effect == "reflector_offset") {
+    for entry in list.iter_mut().filter(|e| e.effect == REFLECTOR_OFFSET) {
         let bias = "1 um per um; nothing else";
         entry.bias_per_unit = vec![("constant".to_owned(), bias.to_owned())];
         entry.measure = "not needed: it is estimated".to_owned();
     }
     list.extend(thermal_growth(scene));
-    let mut absorbed = absorbed_by_poses(scene);
-    // Poses are common to both sides of approach: what differs between them does contradict.
-    absorbed.retain(|entry| !both_sides || entry.effect != "position_dependent_backlash");
-    list.extend(absorbed);
+    list.extend(absorbed_by_poses(scene));
     list
 }
 

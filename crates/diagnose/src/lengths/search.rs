@@ -111,13 +111,11 @@ impl Searched {
             false => first.scans.as_slice(),
         };
         let null = Null::simulated(&plain.projection, scans);
-        let sides = || base.readings.iter().map(|r| r.direction);
-        let both_sides = sides().any(|side| Some(side) != sides().next());
         let bare = base.adjust(Vec::new(), Some(plain.network.noise))?;
         let search = find_causes(base, bare, &all, scans, &null)?;
         Ok(Self {
             not_observable: [
-                not_observable(&base.scene, &first.without_trace, both_sides),
+                not_observable(&base.scene, &first.without_trace),
                 untested(Level::Lengths, base.campaign, &base.scene),
             ]
             .concat(),

@@ -3,7 +3,7 @@
 //! Later stations stand where they stand against the machine as it is then. Both names are given wherever one is found, unless targets on
 //! the bed, which stay, tell them apart.
 
-use trueaxis_effects::{Subject, effect};
+use trueaxis_effects::{Shape, Subject, effect};
 use trueaxis_selection::{DECISIVE, Fit, Hypothesis};
 
 use crate::Error;
@@ -21,10 +21,11 @@ pub(crate) fn add_jumps(
         return Ok(());
     };
     for (k, found) in found.iter_mut().enumerate() {
-        let is_jump = |(rival, _): &(Suspect, f64)| rival.hypothesis.effect.id == jump.id;
+        let is_jump = |(rival, _): &(Suspect, f64)| rival.hypothesis.effect == jump;
         let shape = found.suspect.shape;
-        if found.suspect.hypothesis.effect.id != "machine_shift" || found.rivals.iter().any(is_jump)
-        {
+        let effect = found.suspect.hypothesis.effect;
+        let is_shift = effect.moves_machine() && effect.shape == Shape::Instant;
+        if !is_shift || found.rivals.iter().any(is_jump) {
             continue;
         }
         let mut others = adjusted.suspects.clone();

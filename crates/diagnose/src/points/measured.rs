@@ -89,10 +89,10 @@ impl Measured for Base<'_> {
             effect, subject, ..
         } = suspect.hypothesis;
         match (subject.axis, subject.target) {
-            (Some(axis), _) => Culprit::Axis(axis, effect.id),
+            (Some(axis), _) => Culprit::Axis(axis, effect),
             (None, Some(target)) => Culprit::Target(target, false),
             _ if effect.moves_machine() || effect.moves_station() => Culprit::EveryOccupation,
-            _ => Culprit::Everything(effect.layer, effect.id),
+            _ => Culprit::Everything(effect),
         }
     }
 

@@ -11,9 +11,9 @@ use crate::points::model::Model;
 pub(crate) fn not_observable(base: &Base<'_>, model: &Model) -> Vec<NotObservable> {
     let all = of_catalogue(Level::Points, base.scene, |s| is_tested(base.campaign, s));
     let unseen = scans(base, model, &model.bare, &all).without_trace;
-    let mut list = without_trace(base.scene, &unseen, |id| match id {
-        "backlash" => "all its stops are approached from one side",
-        "timestamp_offset" => {
+    let mut list = without_trace(base.scene, &unseen, |effect| match effect {
+        _ if effect.is_lost_motion() => "all its stops are approached from one side",
+        _ if effect.is_delay() => {
             "the machine stands still at the stops, or all are approached from one side"
         }
         _ => "poses and shapes of the targets absorb all of it",

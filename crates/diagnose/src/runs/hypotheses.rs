@@ -1,17 +1,13 @@
 //! What may make runs differ, and what a unit of it does to their comparison.
 
 use trueaxis_calibrate::{Replay, RunComparison};
-use trueaxis_effects::{Level, Scene, effect};
+use trueaxis_effects::{CROSS_COUPLING, Effect, Level, Scene};
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_poses::EffectsOnLengths;
 use trueaxis_selection::{Hypothesis, gram_of};
 
 use crate::NotObservable;
 use crate::engine::{Candidate, Listed, in_words, of_catalogue, plausible, unseen};
-
-/// Effects that give one axis another curve in another run. What else changes with time contradicts the lengths
-/// themselves.
-const EFFECTS: [&str; 2] = ["axis_expansion", "cross_coupling"];
 
 /// Lengths are changed by as much to find what it does to the runs, mm: far above rounding, far below what would
 /// leave the linear range.
@@ -44,7 +40,9 @@ pub(super) fn candidates(
         )
     };
     let all = of_catalogue(Level::Lengths, scene, |_| true).into_iter();
-    let all = all.filter(|hypothesis| EFFECTS.contains(&hypothesis.effect.id));
+    // What gives one axis another curve in another run: what else changes with time contradicts the lengths themselves.
+    let differs = |by: &Effect| by.grows_axis() || by == CROSS_COUPLING;
+    let all = all.filter(|hypothesis| differs(hypothesis.effect));
     let candidate = |hypothesis: Hypothesis| {
         let plausible = plausible(&hypothesis, scene);
         let count = plausible.len();
@@ -64,18 +62,17 @@ pub(super) fn candidates(
 
 /// The pairs of axes whose coupling the runs do not show.
 pub(super) fn not_observable(scene: &Scene, listed: &Listed) -> Option<NotObservable> {
-    let coupling = effect("cross_coupling")?;
     let hidden = listed.candidates.iter().filter(|candidate| {
         let Hypothesis {
             effect, subject, ..
         } = candidate.hypothesis;
-        let is_pair = effect.id == coupling.id && subject.component.is_none();
+        let is_pair = effect == CROSS_COUPLING && subject.component.is_none();
         is_pair && gram_of(&listed.base, &candidate.columns[0]).rank() < candidate.columns[0].len()
     });
     let subjects: Vec<String> = hidden
         .map(|candidate| in_words(&candidate.hypothesis.subject, scene))
         .collect();
     let why = "no axis was measured twice with another one parked elsewhere, so that the curves take all of it, or a part";
-    let bias = ("calibration", coupling.explanation.consequence);
-    (!subjects.is_empty()).then(|| unseen(coupling, subjects.join("; "), why, bias))
+    let bias = ("calibration", CROSS_COUPLING.explanation.consequence);
+    (!subjects.is_empty()).then(|| unseen(CROSS_COUPLING, subjects.join("; "), why, bias))
 }

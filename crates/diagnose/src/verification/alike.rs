@@ -18,7 +18,7 @@ pub(crate) fn alike_scales(entries: &[Entry], all: &[Series<'_>]) -> Option<Stri
             continue;
         };
         let mut causes = entry.causes.iter();
-        let scale = causes.find(|cause| cause.effect.effect.id == "scale_error")?;
+        let scale = causes.find(|cause| cause.effect.effect.is_scale_of_axis())?;
         let scale = scale.parameters.first()?;
         axes.push(axis);
         sizes.push((scale.value, scale.u));

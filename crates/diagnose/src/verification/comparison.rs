@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use trueaxis_campaign::{Direction, Verification, VerificationKind};
-use trueaxis_effects::{Circumstances, Effect, GivenEffect, Shape, Subject};
+use trueaxis_effects::{CROSS_COUPLING, Circumstances, Effect, GivenEffect, Shape, Subject};
 use trueaxis_kinematics::{AxisKind, Ideal, MICROMETRE, Machine};
 use trueaxis_predict::{
     CalibratedMachine, MeasuredPoint, carrier, predicted_reading_um, stands_alike,
@@ -15,12 +15,6 @@ use crate::extremes::extremes;
 use crate::verification::arrivals::{Arrival, are_timed, arrivals, is_same, numbered_in_a_row};
 use crate::verification::resolution::resolution_um;
 use crate::verification::whitening::lags;
-
-/// The effect of one axis on another.
-pub(crate) const COUPLING: &str = "cross_coupling";
-
-/// Readings that are taken late.
-pub(crate) const TIMESTAMP_OFFSET: &str = "timestamp_offset";
 
 /// A unit of a parameter that changes a reading by less changes nothing, µm.
 const ROUNDING_UM: f64 = 1e-9;
@@ -84,7 +78,9 @@ impl<'a> Comparison<'a> {
         let passes = numbered_in_a_row(&arrivals, Arrival::is_of_pass);
         let timed = are_timed(&verification.readings);
         let taken_out = calibration.map_or(&[][..], |own| &own.effects_taken_out);
-        let taken_out = taken_out.iter().filter(|own| own.effect == COUPLING);
+        let taken_out = taken_out
+            .iter()
+            .filter(|own| own.effect == CROSS_COUPLING.id);
         let mut comparison = Self {
             machine,
             kind,
@@ -195,9 +191,8 @@ impl<'a> Comparison<'a> {
 
     /// The two axes of a coupling whose curves have it: none of what was taken out.
     fn coupled(&self, effect: &Effect, subject: &Subject) -> impl Iterator<Item = usize> + use<> {
-        let is_coupling = effect.id == COUPLING;
         let is_in_curves =
-            is_coupling && !self.taken_out.iter().any(|own| self.is_of(own, subject));
+            effect == CROSS_COUPLING && !self.taken_out.iter().any(|own| self.is_of(own, subject));
         let axes = [subject.axis, subject.other_axis];
         axes.into_iter().flatten().filter(move |_| is_in_curves)
     }

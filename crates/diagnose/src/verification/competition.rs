@@ -11,7 +11,6 @@ use crate::verification::believed::{with_gain, without_imitations};
 use crate::verification::described::described;
 use crate::verification::held_out::{gain, held_out};
 use crate::verification::instead::{constant_instead, simple_instead};
-use crate::verification::lost_motion::FORMS;
 use crate::verification::model::{
     Model, evidence, has, have_same, is_coupling, is_left, of_causes, only,
 };
@@ -119,7 +118,7 @@ fn lost_motion(plain: &Problem<'_>) -> Vec<Chosen> {
     let candidates = plain.listed.candidates.iter().enumerate();
     let forms = candidates.filter(|(_, own)| {
         let is_of_axis = own.hypothesis.subject.axis == plain.comparison.line();
-        is_of_axis && FORMS.contains(&own.hypothesis.effect.id) && !own.is_free
+        is_of_axis && own.hypothesis.effect.is_lost_motion() && !own.is_free
     });
     let chosen = forms.filter_map(|(candidate, own)| {
         Some(Chosen {

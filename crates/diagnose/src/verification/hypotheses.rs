@@ -3,14 +3,17 @@
 use std::f64::consts::PI;
 
 use trueaxis_campaign::VerificationKind;
-use trueaxis_effects::{Level, Scene, Shape, Subject, catalogue};
+use trueaxis_effects::{
+    BACKLASH, CROSS_COUPLING, Effect, Level, POSITION_DEPENDENT_BACKLASH, Scene, Shape, Subject,
+    catalogue,
+};
 use trueaxis_kinematics::{AxisKind, Component};
 use trueaxis_leastsquares::median;
 use trueaxis_selection::{Hypothesis, middle};
 
 use crate::engine::{Candidate, Finer, in_equal_ratios, plausible};
 use crate::verification::arrivals::Arrival;
-use crate::verification::comparison::{COUPLING, Comparison, TIMESTAMP_OFFSET};
+use crate::verification::comparison::Comparison;
 use crate::verification::lost_motion;
 use crate::verification::one_side;
 use crate::verification::order::goes_against_its_sides;
@@ -59,7 +62,7 @@ pub(crate) fn candidates<'a>(
     let are_sides_in_doubt =
         goes_against_its_sides(comparison) || one_side::doubt(comparison).is_some();
     for &effect in catalogue() {
-        let is_in_doubt = effect.id == TIMESTAMP_OFFSET && are_sides_in_doubt;
+        let is_in_doubt = effect.is_delay() && are_sides_in_doubt;
         if !effect.levels.contains(&Level::Verification) || is_in_doubt {
             continue;
         }
@@ -67,21 +70,19 @@ pub(crate) fn candidates<'a>(
             moving: comparison.moving.clone(),
             ..scene.clone()
         };
-        match effect.id {
+        if effect == CROSS_COUPLING {
             // An axis that stands, but elsewhere than in the calibration, is coupled as one that moves.
-            COUPLING => scene.moving.extend(&comparison.parked_elsewhere),
+            scene.moving.extend(&comparison.parked_elsewhere);
+        } else if effect == BACKLASH {
             // Nor does an axis stand that came to one position from both sides.
-            "backlash" => {
-                let turns = |axis: &usize| comes_from_both_sides(comparison, *axis);
-                scene.moving.extend(comparison.line().filter(turns));
-            }
-            _ => {}
+            let turns = |axis: &usize| comes_from_both_sides(comparison, *axis);
+            scene.moving.extend(comparison.line().filter(turns));
         }
         scene.moving.sort_unstable();
         scene.moving.dedup();
         let mut subjects = effect.subjects(&scene);
         subjects.retain(|subject| is_seen(comparison, subject));
-        if effect.id == "encoder_eccentricity" {
+        if effect.waves(0.0).is_some() {
             subjects.retain(|subject| is_half_turned(comparison, subject));
         }
         for &subject in &subjects {
@@ -92,7 +93,7 @@ pub(crate) fn candidates<'a>(
             };
             let plausible = plausible(&hypothesis, &scene);
             let shapes = shapes(comparison, effect.shape, &subject);
-            let is_seen = is_of_both_sides(comparison, effect.id, &subject);
+            let is_seen = is_of_both_sides(comparison, effect, &subject);
             let column = move |k, shape| match is_seen {
                 true => comparison.column(effect, &subject, k, shape),
                 false => vec![0.0; comparison.arrivals.len()],
@@ -103,7 +104,8 @@ pub(crate) fn candidates<'a>(
                 whitened.collect()
             };
             let gaps_s = (effect.shape == Shape::Instant).then(|| gaps_s(comparison));
-            let is_along = effect.id == lost_motion::EFFECT && subject.axis == comparison.line();
+            let is_along =
+                effect == POSITION_DEPENDENT_BACKLASH && subject.axis == comparison.line();
             let straight = is_along.then(|| [0, 1].map(|k| column(k, 0.0)));
             let sizes = straight.as_ref();
             let sizes = sizes.map(|straight| lost_motion::sizes(comparison, straight));
@@ -181,11 +183,10 @@ fn is_half_turned(comparison: &Comparison<'_>, subject: &Subject) -> bool {
 /// of the position.
 pub(crate) fn is_of_both_sides(
     comparison: &Comparison<'_>,
-    effect: &str,
+    effect: &Effect,
     subject: &Subject,
 ) -> bool {
-    let is_lost_motion = lost_motion::FORMS.contains(&effect);
-    let axis = subject.axis.filter(|_| is_lost_motion);
+    let axis = subject.axis.filter(|_| effect.is_lost_motion());
     axis.is_none_or(|axis| comes_from_both_sides(comparison, axis))
 }
 
@@ -215,7 +216,7 @@ fn shapes(comparison: &Comparison<'_>, shape: Shape, subject: &Subject) -> Vec<f
             gaps_s.iter().step_by(stride).map(middle).collect()
         }
         Shape::Period => periods(comparison, subject),
-        Shape::Waves => (1..=MOST_PER_TURN).map(f64::from).collect(),
+        Shape::Waves(fewest) => (fewest..=MOST_PER_TURN).map(f64::from).collect(),
     }
 }
 

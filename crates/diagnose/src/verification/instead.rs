@@ -1,10 +1,10 @@
 //! What explains as much in another form: on a circle away from where the axes were parked a coupling is nearly squareness and scale, and
 //! beside what goes with time lost motion that changes along the axis is nearly a constant one beside something else that does.
 
+use trueaxis_effects::{BACKLASH, POSITION_DEPENDENT_BACKLASH};
 use trueaxis_selection::{DECISIVE, Score};
 
 use crate::engine::{Candidate, Chosen, without};
-use crate::verification::lost_motion::{CONSTANT, EFFECT};
 use crate::verification::model::{Model, evidence, has, is_coupling, is_left, of_causes};
 use crate::verification::problem::Problem;
 
@@ -38,7 +38,7 @@ pub(crate) fn constant_instead(
     let listed = &plain.listed;
     let of = |cause: &Chosen| listed.hypothesis(cause);
     let goes_with_time = |cause: &&Chosen| of(cause).is_of_time();
-    let changes = |cause: &&Chosen| of(cause).effect.id == EFFECT;
+    let changes = |cause: &&Chosen| of(cause).effect == POSITION_DEPENDENT_BACKLASH;
     let (Some(_), Some(lost)) = (
         best.causes.iter().find(goes_with_time),
         best.causes.iter().find(changes),
@@ -46,7 +46,7 @@ pub(crate) fn constant_instead(
         return Vec::new();
     };
     let is_constant = |own: &Candidate| {
-        own.hypothesis.effect.id == CONSTANT && own.hypothesis.subject == of(lost).subject
+        own.hypothesis.effect == BACKLASH && own.hypothesis.subject == of(lost).subject
     };
     let Some(candidate) = listed.candidates.iter().position(is_constant) else {
         return Vec::new();

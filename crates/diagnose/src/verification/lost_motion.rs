@@ -8,7 +8,7 @@
 //! slope keep their meaning. How many waves there are is the shape of the hypothesis; they cost it their rank.
 
 use nalgebra::{DMatrix, DVector};
-use trueaxis_effects::LOST_MOTION;
+use trueaxis_effects::POSITION_DEPENDENT_BACKLASH;
 use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::dense::Svd;
 use trueaxis_selection::{Fit, Hypothesis, ln_f_test};
@@ -18,14 +18,6 @@ use crate::verification::base::{count, places};
 use crate::verification::comparison::Comparison;
 use crate::verification::problem::Problem;
 use crate::{CurvePoint, EstimatedParameter};
-
-/// Lost motion in all its forms.
-pub(crate) const FORMS: [&str; 2] = LOST_MOTION;
-
-pub(crate) const CONSTANT: &str = FORMS[0];
-
-/// The effect whose size is such a function.
-pub(crate) const EFFECT: &str = FORMS[1];
 
 /// Half waves beside mean and slope up to which each number is tried: of a smooth function.
 const SMOOTH: usize = 6;
@@ -80,7 +72,7 @@ pub(crate) fn beyond_drives(problem: &Problem<'_>, causes: &[Chosen]) -> Option<
         (ln_p < SMOOTH_LEVEL.ln() && size > most).then_some([size, most])
     };
     let mut forms = problem.listed.candidates.iter().filter(|c| {
-        FORMS.contains(&c.hypothesis.effect.id) && c.hypothesis.subject.axis == Some(axis)
+        c.hypothesis.effect.is_lost_motion() && c.hypothesis.subject.axis == Some(axis)
     });
     forms.find_map(beyond)
 }
@@ -134,7 +126,7 @@ pub(crate) fn shown_along<'c>(
         effect, subject, ..
     } = cause.hypothesis;
     let axis = comparison.line().filter(|&axis| {
-        effect.id == EFFECT
+        effect == POSITION_DEPENDENT_BACKLASH
             && subject.axis == Some(axis)
             && comparison.machine.axes()[axis].kind() == AxisKind::Linear
     });

@@ -1,9 +1,9 @@
 //! A model of readings: causes, and what wanders beside them.
 
+use trueaxis_effects::CROSS_COUPLING;
 use trueaxis_selection::DECISIVE;
 
 use crate::engine::{Chosen, Listed, beside_one_of};
-use crate::verification::comparison::COUPLING;
 use crate::verification::omnibus::omnibus;
 use crate::verification::problem::Problem;
 use crate::verification::wandering::FittedProcess;
@@ -80,5 +80,5 @@ pub(crate) fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
 }
 
 pub(crate) fn is_coupling(plain: &Problem<'_>, candidate: usize) -> bool {
-    plain.listed.candidates[candidate].hypothesis.effect.id == COUPLING
+    plain.listed.candidates[candidate].hypothesis.effect == CROSS_COUPLING
 }

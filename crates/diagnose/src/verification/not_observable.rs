@@ -6,7 +6,6 @@ use trueaxis_files::round;
 use crate::NotObservable;
 use crate::engine::in_words;
 use crate::verification::base::absorbed;
-use crate::verification::comparison::TIMESTAMP_OFFSET;
 use crate::verification::hypotheses::{is_of_both_sides, sampling};
 use crate::verification::problem::Problem;
 
@@ -28,7 +27,7 @@ pub(crate) fn not_observable(
             continue;
         }
         let bias = largest(problem, scene, effect, &subject);
-        let why = if !is_of_both_sides(problem.comparison, effect.id, &subject) {
+        let why = if !is_of_both_sides(problem.comparison, effect, &subject) {
             "the axis came from one side only".to_owned()
         } else if bias.is_empty() {
             not_reached(problem, effect, &subject).to_owned()
@@ -52,7 +51,7 @@ fn not_reached(problem: &Problem<'_>, effect: &Effect, subject: &Subject) -> &'s
     let arrivals = &problem.comparison.arrivals;
     let stands = |axis: usize| arrivals.iter().all(|a| a.speeds_per_s[axis].abs() <= 0.0);
     match subject.axis {
-        Some(axis) if effect.id == TIMESTAMP_OFFSET && stands(axis) => {
+        Some(axis) if effect.is_delay() && stands(axis) => {
             "the axis stands still at the readings, or the table has no times"
         }
         _ => "it does not change what was measured here",

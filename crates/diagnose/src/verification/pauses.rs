@@ -5,12 +5,12 @@
 //! and not longer than all: beside the drift as the rows tell it, and beside an offset of each cycle instead of it, lost motion has its
 //! two extremes. If they differ in sign, there are pauses with which there is none; the distance is in its uncertainty.
 
+use trueaxis_effects::{BACKLASH, POSITION_DEPENDENT_BACKLASH};
 use trueaxis_selection::Fit;
 
 use crate::Rival;
 use crate::engine::{Chosen, Listed};
 use crate::verification::base::{count, cycles, indicators};
-use crate::verification::lost_motion::{EFFECT, FORMS};
 use crate::verification::problem::Problem;
 use crate::verification::wanderer::Wanderer;
 use crate::verification::wandering::FittedProcess;
@@ -33,7 +33,7 @@ pub(crate) fn by_pauses(
 ) -> Option<ByPauses> {
     let (comparison, listed) = (problem.comparison, &problem.listed);
     let own = listed.hypothesis(&causes[k]);
-    let is_lost_motion = FORMS.contains(&own.effect.id) && own.subject.axis == comparison.line();
+    let is_lost_motion = own.effect.is_lost_motion() && own.subject.axis == comparison.line();
     let is_of_time = |cause: &Chosen| listed.hypothesis(cause).is_of_time();
     let wanders = wandering.iter().any(|own| own.wanderer.is_of_time());
     let goes_on = wanders || causes.iter().any(is_of_time);
@@ -41,7 +41,7 @@ pub(crate) fn by_pauses(
         return None;
     }
     // Mean and slope, of a constant the mean alone. Half waves are rougher than any pause makes.
-    let straight = match own.effect.id == EFFECT {
+    let straight = match own.effect == POSITION_DEPENDENT_BACKLASH {
         true => 2,
         false => 1,
     };
@@ -86,7 +86,9 @@ pub(crate) fn by_pauses(
             let names = Wanderer::Instrument.names(comparison);
             names.map(|name| name.rival(comparison, evidence)).collect()
         }
-        [false, true] if own.effect.id == EFFECT => constant(&paused, &without_time, number),
+        [false, true] if own.effect == POSITION_DEPENDENT_BACKLASH => {
+            constant(&paused, &without_time, number)
+        }
         _ => Vec::new(),
     };
     Some(ByPauses {
@@ -139,7 +141,6 @@ fn constant(listed: &Listed, causes: &[Chosen], k: usize) -> Vec<Rival> {
     let own = listed.hypothesis(&causes[k]);
     listed.rivals(&judged, |score, _, _| {
         let other = &listed.candidate(&judged.beside, score).hypothesis;
-        let is_form = FORMS.contains(&other.effect.id) && other.subject == own.subject;
-        is_form && other.effect.id != EFFECT
+        other.effect == BACKLASH && other.subject == own.subject
     })
 }

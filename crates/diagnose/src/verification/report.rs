@@ -1,14 +1,13 @@
 //! What was found in one verification, as the outcome says it.
 
-use trueaxis_effects::{Level, ResolvedEffect, Scene, Subject};
+use trueaxis_effects::{Effect, Level, ResolvedEffect, Scene, Subject};
 use trueaxis_selection::{DECISIVE, Fit, Projection, Score, add, combined, cosine, is_rival};
 
 use crate::engine::{Chosen, Judged, Listed, places as places_by, side, without};
 use crate::fitted::{Against, Fitted, Row};
 use crate::verification::arrivals::Arrival;
-use crate::verification::comparison::TIMESTAMP_OFFSET;
 use crate::verification::held_out::gain_of;
-use crate::verification::lost_motion::{FORMS, curve, shown_along};
+use crate::verification::lost_motion::{curve, shown_along};
 use crate::verification::pauses::by_pauses;
 use crate::verification::problem::Problem;
 use crate::verification::search::{contains, ln_more};
@@ -141,12 +140,12 @@ pub(crate) fn rivals(listed: &Listed, judged: &Judged) -> Vec<Rival> {
     });
     rivals.extend(lost_motion_beyond_drives(listed, judged));
     // Straight and free lost motion are one effect in two forms: the better of them is said.
-    let mut said: Vec<(&str, Subject)> = Vec::new();
+    let mut said: Vec<(&Effect, Subject)> = Vec::new();
     rivals.retain(|rival| {
         let Rival::Effect { effect, .. } = rival else {
             return true;
         };
-        let name = (effect.effect.id, effect.subject);
+        let name = (effect.effect, effect.subject);
         let is_new = !said.contains(&name);
         said.push(name);
         is_new
@@ -158,10 +157,10 @@ pub(crate) fn rivals(listed: &Listed, judged: &Judged) -> Vec<Rival> {
 /// round with the axis. Beside late time stamps it counts in any case: what cables and soft joints lose is no plain play.
 fn lost_motion_beyond_drives(listed: &Listed, judged: &Judged) -> impl Iterator<Item = Rival> {
     let (beside, own) = (&judged.beside, &judged.score);
-    let effect = |score: &Score| listed.candidate(beside, score).hypothesis.effect.id;
-    let is_late = effect(own) == TIMESTAMP_OFFSET;
+    let effect = |score: &Score| listed.candidate(beside, score).hypothesis.effect;
+    let is_late = effect(own).is_delay();
     let is_it = move |score: &&Score| {
-        FORMS.contains(&effect(score)) && (is_late || own.evidence - score.evidence < DECISIVE)
+        effect(score).is_lost_motion() && (is_late || own.evidence - score.evidence < DECISIVE)
     };
     beside.impossible.iter().filter(is_it).map(|score| {
         let columns = listed.candidate(beside, score).columns(score.shape);
@@ -178,7 +177,7 @@ pub(crate) fn add_rivals(
 ) {
     let has = |all: &[Chosen], one: &ResolvedEffect| {
         let mut all = all.iter().map(|own| listed.hypothesis(own));
-        all.any(|own| (own.effect.id, own.subject) == (one.effect.id, one.subject))
+        all.any(|own| (own.effect, own.subject) == (one.effect, one.subject))
     };
     for (k, (other, sized)) in others.iter().zip(listed.sizes(others)).enumerate() {
         let effect = listed.candidates[other.candidate].resolved(&sized.fit.estimates, other.shape);

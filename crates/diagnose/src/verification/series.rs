@@ -10,7 +10,6 @@ use crate::verification::another_curve::another_curve;
 use crate::verification::competition::compete;
 use crate::verification::doubted::doubted;
 use crate::verification::held_out::{HeldOut, gain, held_out};
-use crate::verification::lost_motion::FORMS;
 use crate::verification::model::{Model, have_same, only};
 use crate::verification::omnibus::{omnibus, repeats_with_cycle};
 use crate::verification::problem::Problem;
@@ -149,10 +148,9 @@ fn impossible(problem: &Problem<'_>) -> Option<Unexplained> {
     let beside = problem.listed.beside(&[]);
     let best = beside.impossible.first()?;
     let own = &problem.listed.candidate(&beside, best).hypothesis;
-    let id = own.effect.id;
-    let varies_with = match id {
-        _ if FORMS.contains(&id) => vec!["direction"],
-        "axis_expansion" => vec!["time", "position"],
+    let varies_with = match own.effect {
+        effect if effect.is_lost_motion() => vec!["direction"],
+        effect if effect.grows_axis() => vec!["time", "position"],
         _ if own.is_of_time() => vec!["time"],
         _ => vec!["position"],
     };
@@ -166,7 +164,7 @@ fn impossible(problem: &Problem<'_>) -> Option<Unexplained> {
         note: format!(
             "it varies with {} as {} does, but by more than on any machine",
             varies_with.join(" and "),
-            id.replace('_', " ")
+            own.effect.id.replace('_', " ")
         ),
         varies_with,
     })

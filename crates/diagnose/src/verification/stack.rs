@@ -15,7 +15,6 @@ use trueaxis_predict::CalibratedMachine;
 use trueaxis_selection::{Fit, Hypothesis, Projection};
 
 use crate::engine::{Candidate, Chosen, Finer, Listed, without};
-use crate::verification::comparison::TIMESTAMP_OFFSET;
 use crate::verification::hypotheses::is_continuous;
 use crate::verification::prediction_error::prediction_directions;
 use crate::verification::problem::Problem;
@@ -40,10 +39,10 @@ const SHOWN: f64 = 0.1;
 pub(crate) fn is_of_all(series: &Series<'_>, candidate: &Candidate<'_>) -> bool {
     let Hypothesis { effect, .. } = candidate.hypothesis;
     // Without a clock lag is in parts of the time between two readings of this series.
-    let counts_readings = effect.id == TIMESTAMP_OFFSET && !series.plain.comparison.timed;
+    let counts_readings = effect.is_delay() && !series.plain.comparison.timed;
     let is_of_its_clock =
-        counts_readings || candidate.hypothesis.is_of_time() || effect.id == "axis_expansion";
-    let has_shape_of_all = matches!(effect.shape, Shape::Fixed | Shape::Period | Shape::Waves);
+        counts_readings || candidate.hypothesis.is_of_time() || effect.grows_axis();
+    let has_shape_of_all = matches!(effect.shape, Shape::Fixed | Shape::Period | Shape::Waves(_));
     has_shape_of_all && !is_of_its_clock && !candidate.is_free
 }
 

@@ -139,7 +139,7 @@ impl Wanderer {
     pub(crate) fn is_course_of(self, cause: &Hypothesis) -> bool {
         match self {
             Self::Instrument | Self::Machine => cause.is_of_time(),
-            Self::Scale => cause.effect.id == "axis_expansion",
+            Self::Scale => cause.effect.grows_axis(),
             Self::Position | Self::Sides | Self::SidesInTime => false,
         }
     }

@@ -1,12 +1,11 @@
 //! What wanders beside causes: judged as in the lengths, by its evidence ([`Smooth`]) and a p-value of all together.
 
-use trueaxis_effects::Layer;
+use trueaxis_effects::{CROSS_COUPLING, Layer, Shape};
 use trueaxis_selection::{ALIKE, DECISIVE, Fit, Hypothesis, Projection, by_evidence, ln_f_test};
 
 use crate::Rival;
 use crate::engine::{Candidate, Chosen, Posterior, SMOOTH_LEVEL, Smooth, without};
 use crate::extremes::extremes;
-use crate::verification::comparison::COUPLING;
 use crate::verification::form::Form;
 use crate::verification::lost_motion::beyond_drives;
 use crate::verification::problem::Problem;
@@ -143,7 +142,7 @@ pub(crate) fn rival_disturbances(
 /// coupling `c x y` of X is a bow `c x²` of X towards Y, since both are `c r² cos²φ sin φ` along the bar; only a calibration knows bows.
 fn twin(problem: &Problem<'_>, hypothesis: &Hypothesis) -> Option<Wanderer> {
     let comparison = problem.comparison;
-    let is_bow = hypothesis.effect.id == COUPLING && !problem.calibrated;
+    let is_bow = hypothesis.effect == CROSS_COUPLING && !problem.calibrated;
     if is_bow && comparison.line().is_none() {
         return Some(Wanderer::Position);
     }
@@ -151,7 +150,7 @@ fn twin(problem: &Problem<'_>, hypothesis: &Hypothesis) -> Option<Wanderer> {
     if of_instrument && comparison.is_of_rotary_axis() {
         return Some(Wanderer::Machine);
     }
-    let warms_up = hypothesis.effect.id == "warm_up" && comparison.line().is_some();
+    let warms_up = hypothesis.effect.shape == Shape::TimeConstant && comparison.line().is_some();
     warms_up.then_some(Wanderer::Instrument)
 }
 
@@ -205,7 +204,7 @@ fn judge(
 fn is_plausible(problem: &Problem<'_>, model: &Projection, own: &FittedProcess) -> bool {
     let comparison = problem.comparison;
     let is_growth = |candidate: &&Candidate| {
-        candidate.hypothesis.effect.id == "axis_expansion"
+        candidate.hypothesis.effect.grows_axis()
             && candidate.hypothesis.subject.axis == Some(comparison.axis())
     };
     let growth = problem.listed.candidates.iter().find(is_growth);

@@ -14,7 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     subjects: Subject::each_linear_axis,
     parameters: |_, _| vec![Parameter::new("expansion", "ppm").plausible(MOST_PPM)],
     shape: Shape::Fixed,
-    form: Form::Axis(|of| PPM * of.at.progress * of.position()),
+    form: Form::Growth(|of| PPM * of.at.progress),
     explanation: Explanation {
         cause: "the screw or the scale of the axis warms up and grows: steel 11 ppm per K",
         consequence: "the positioning error of the axis is a mixture of different instants",

@@ -5,7 +5,7 @@
 //! the stage, `(cos q, sin q)` and `(-sin q, cos q)`; what is left turns against it. From two waves
 //! per turn on all of it is seen.
 
-use crate::waves::{SHIFTS, parameters_across, waves_across_axis};
+use crate::waves::{SHIFTS, parameters_across};
 use crate::{Effect, Explanation, Form, Layer, Level, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
@@ -14,8 +14,8 @@ pub(super) const EFFECT: Effect = Effect {
     levels: &[Level::Components],
     subjects: Subject::each_rotary_axis,
     parameters: |scene, subject| parameters_across(scene, subject, SHIFTS),
-    shape: Shape::Waves,
-    form: Form::Curve(|of| waves_across_axis(SHIFTS, of)),
+    shape: Shape::Waves(1),
+    form: Form::WavesAcross(SHIFTS),
     explanation: Explanation {
         cause: "the bearing of the axis is not true: races out of round, unequal rolling elements, a clamped housing, or a drive that pulls on one side",
         consequence: "the centre of rotation moves: round features become lobed with one wave more or fewer",

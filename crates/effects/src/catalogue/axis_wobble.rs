@@ -5,7 +5,7 @@
 //! the stage, `(cos q, sin q)` and `(-sin q, cos q)`; what is left turns against it. From two waves
 //! per turn on all of it is seen.
 
-use crate::waves::{ANGLES, parameters_across, waves_across_axis};
+use crate::waves::{ANGLES, parameters_across};
 use crate::{Effect, Explanation, Form, Layer, Level, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
@@ -14,8 +14,8 @@ pub(super) const EFFECT: Effect = Effect {
     levels: &[Level::Components],
     subjects: Subject::each_rotary_axis,
     parameters: |scene, subject| parameters_across(scene, subject, ANGLES),
-    shape: Shape::Waves,
-    form: Form::Curve(|of| waves_across_axis(ANGLES, of)),
+    shape: Shape::Waves(1),
+    form: Form::WavesAcross(ANGLES),
     explanation: Explanation {
         cause: "the bearing of the axis is not true: races out of round or tilted against each other, unequal rolling elements, a clamped housing",
         consequence: "the axis has no fixed direction: points far above the table move in proportion to their height",

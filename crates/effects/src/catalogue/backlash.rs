@@ -3,9 +3,6 @@
 //!
 //! b is `lost_motion` in µm, of a rotary axis in arcsec.
 
-use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, MICROMETRE};
-
-use crate::form::AtReading;
 use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Scene, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
@@ -15,7 +12,7 @@ pub(super) const EFFECT: Effect = Effect {
     subjects: Subject::each_axis,
     parameters: |scene, subject| vec![lost_motion(scene, subject, "lost_motion")],
     shape: Shape::Fixed,
-    form: Form::Axis(|of| half_lost_motion(of, 1.0)),
+    form: Form::LostMotion(|_| 1.0),
     explanation: Explanation {
         cause: "lost motion of the axis: play or wind-up between motor and stage",
         consequence: "the two sides of approach differ; their mean is right for neither",
@@ -42,13 +39,3 @@ pub(crate) const OVER_COMPENSATED: Explanation = Explanation {
     action: "of readings, check first that they are measured less commanded, not the other way, and that direction is the side of approach; then lower the backlash compensation by this amount and measure again; check the in-position window of the control; no part is worn",
     separate_by: "measure both sides with the backlash compensation switched off: what a compensation makes goes away, what the control's window makes stays",
 };
-
-/// What `part` units of lost motion, µm or arcsec, leave the axis away from its position, mm or rad.
-pub(super) fn half_lost_motion(of: &AtReading<'_>, part: f64) -> f64 {
-    let unit = match of.axis().map(Axis::kind) {
-        _ if !of.is_of_moving_axis() => return 0.0,
-        Some(AxisKind::Rotary) => ARCSEC,
-        _ => MICROMETRE,
-    };
-    -0.5 * of.at.direction * unit * part
-}

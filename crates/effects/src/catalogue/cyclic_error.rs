@@ -24,7 +24,7 @@ pub(super) const EFFECT: Effect = Effect {
         Parameter::sine_and_cosine(subject.component.map_or("um", |c| unit(c).0))
     },
     shape: Shape::Period,
-    form: Form::Curve(|of| match of.subject.component {
+    form: Form::Component(|of| match of.subject.component {
         Some(component) => wave_of(component, of, TAU * of.at.position / of.shape),
         None => MotionError::default(),
     }),

@@ -4,7 +4,6 @@
 //! With the centre of the disc e away from the axis and graduation lines on the radius ρ the amplitude is
 //! e/ρ: 1 µm on 50 mm gives 4.1 arcsec. s and c are `sine` and `cosine` in arcsec, positive about the axis.
 
-use crate::waves::waves_about_axis;
 use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
@@ -14,7 +13,7 @@ pub(super) const EFFECT: Effect = Effect {
     subjects: Subject::each_rotary_axis,
     parameters: |_, _| Parameter::sine_and_cosine("arcsec"),
     shape: Shape::Fixed,
-    form: Form::Curve(|of| waves_about_axis(1.0, of)),
+    form: Form::WavesAbout(Some(1.0)),
     explanation: Explanation {
         cause: "the disc of the encoder (or the gear that drives it) is not centred on the axis",
         consequence: "the angle of the axis is off by a full wave per turn; opposite positions have opposite errors",

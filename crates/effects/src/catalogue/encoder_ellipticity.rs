@@ -3,7 +3,6 @@
 //!
 //! s and c are `sine` and `cosine` in arcsec, positive about the axis.
 
-use crate::waves::waves_about_axis;
 use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
@@ -13,7 +12,7 @@ pub(super) const EFFECT: Effect = Effect {
     subjects: Subject::each_rotary_axis,
     parameters: |_, _| Parameter::sine_and_cosine("arcsec"),
     shape: Shape::Fixed,
-    form: Form::Curve(|of| waves_about_axis(2.0, of)),
+    form: Form::WavesAbout(Some(2.0)),
     explanation: Explanation {
         cause: "the disc of the encoder is clamped out of round or tilted, or two opposite heads do not sit opposite",
         consequence: "the angle of the axis is off by two waves per turn; two opposite heads do not cancel it",

@@ -41,7 +41,7 @@ pub(super) const EFFECT: Effect = Effect {
     },
     parameters: |_, _| vec![Parameter::new("bow", "um/m2")],
     shape: Shape::Fixed,
-    form: Form::Curve(bow),
+    form: Form::Curves(bow),
     explanation: Explanation {
         cause: "the guideway is bent: by its weight, its clamping, a temperature gradient between top and bottom, or how it was ground; the stage follows it and tilts with its slope",
         consequence: "points far from the guideway see the straightness and, through the lever arm, a positioning error that is linear in position and grows with the height above the guideway",

@@ -2,7 +2,7 @@
 //!
 //! s is `scale` in ppm; with a positive one lengths are shown too long.
 
-use crate::{Effect, Explanation, Form, Layer, PPM, Parameter, Shape, Subject};
+use crate::{Effect, Explanation, Form, Layer, Parameter, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
     id: "length_scale",
@@ -11,7 +11,7 @@ pub(super) const EFFECT: Effect = Effect {
     subjects: Subject::all_alike,
     parameters: |_, _| vec![Parameter::new("scale", "ppm")],
     shape: Shape::Fixed,
-    form: Form::Length(|of| PPM * of.at.distance_mm),
+    form: Form::Scale(|_| 1.0),
     explanation: Explanation {
         cause: "the wavelength is compensated with wrong air data, or the laser's frequency is off",
         consequence: "every positioning error has this error of scale",

@@ -5,7 +5,7 @@
 
 use trueaxis_kinematics::AxisKind;
 
-use super::backlash::{half_lost_motion, lost_motion};
+use super::backlash::lost_motion;
 use crate::form::AtReading;
 use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 
@@ -26,9 +26,9 @@ pub(super) const EFFECT: Effect = Effect {
         ]
     },
     shape: Shape::Fixed,
-    form: Form::Axis(|of| match of.parameter {
-        0 => half_lost_motion(of, 1.0),
-        _ => half_lost_motion(of, from_middle(of)),
+    form: Form::LostMotion(|of| match of.parameter {
+        0 => 1.0,
+        _ => from_middle(of),
     }),
     explanation: Explanation {
         cause: "the drive is worn where it is used most: play that is not the same along the axis",

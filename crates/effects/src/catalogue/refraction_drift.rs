@@ -4,9 +4,7 @@
 //! s is `scale_drift` in ppm over the campaign, or `scale_per_k` in ppm/K; a positive one makes lengths longer.
 //! An instrument that does not compensate shows them shorter by 0.95 ppm for each K that the air is warmer.
 
-use crate::form::AtReading;
-use crate::{Effect, Explanation, Form, Layer, Level, Medium, PPM, Parameter, Shape};
-use crate::{Scene, Subject};
+use crate::{Effect, Explanation, Form, Layer, Level, Medium, Parameter, Scene, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
     id: "refraction_drift",
@@ -18,7 +16,10 @@ pub(super) const EFFECT: Effect = Effect {
         None => vec![Parameter::new("scale_drift", "ppm")],
     },
     shape: Shape::Fixed,
-    form: Form::Length(scale),
+    form: Form::Scale(|of| match of.subject.column {
+        Some(_) => of.warmer_k(),
+        None => of.at.progress,
+    }),
     explanation: Explanation {
         cause: "the refractive index of the air drifts and is not, or not correctly, compensated: 1 ppm is 1 K, 4 hPa",
         consequence: "the scale of the machine changes from axis to axis with the time of its measurement",
@@ -35,12 +36,4 @@ fn subjects(scene: &Scene) -> Vec<Subject> {
     let columns = scene.columns_of(Medium::Air);
     let with_air = columns.map(|column| Subject::default().with_column(column));
     [Subject::default()].into_iter().chain(with_air).collect()
-}
-
-fn scale(of: &AtReading<'_>) -> f64 {
-    let course = match of.subject.column {
-        Some(_) => of.warmer_k(),
-        None => of.at.progress,
-    };
-    PPM * of.at.distance_mm * course
 }

@@ -2,9 +2,6 @@
 //!
 //! s is `scale` in ppm; with a positive one the axis goes too far.
 
-use nalgebra::Vector3;
-use trueaxis_kinematics::MotionError;
-
 use crate::{Effect, Explanation, Form, Layer, Level, PPM, Parameter, Shape, Subject};
 
 /// A millimetre in a metre: a wrong pitch or factor, which nobody would call an error of the scale.
@@ -17,10 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     subjects: Subject::each_linear_axis,
     parameters: |_, _| vec![Parameter::new("scale", "ppm").plausible(MOST_PPM)],
     shape: Shape::Fixed,
-    form: Form::Curve(|of| {
-        let along = of.at.axis.direction().into_inner();
-        MotionError::new(along * (PPM * of.at.position), Vector3::zeros())
-    }),
+    form: Form::Positioning(|of| PPM * of.at.position),
     explanation: Explanation {
         cause: "the length standard of the axis is off: pitch of the screw, temperature or mounting of the scale, its tilt against the way, a wrong compensation factor; or all lengths of the instrument are off in scale",
         consequence: "every length that the axis makes is wrong in proportion",

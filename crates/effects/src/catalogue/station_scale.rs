@@ -3,7 +3,7 @@
 //! s is `scale` in ppm; a positive one makes lengths longer. What all stations have in common is
 //! `length_scale`, which no length shows.
 
-use crate::{Effect, Explanation, Form, Layer, Level, PPM, Parameter, Shape, Subject};
+use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
     id: "station_scale",
@@ -12,7 +12,7 @@ pub(super) const EFFECT: Effect = Effect {
     subjects: Subject::each_station,
     parameters: |_, _| vec![Parameter::new("scale", "ppm")],
     shape: Shape::Fixed,
-    form: Form::Length(|of| PPM * of.at.distance_mm),
+    form: Form::Scale(|_| 1.0),
     explanation: Explanation {
         cause: "the refractive index of the air was wrong at this station: another weather station or sensor, old values, a draught or the sun between tracker and machine; 1 ppm is 1 K, 4 hPa; or the machine had another temperature while it was measured from there, 11 ppm per K",
         consequence: "the station shows all distances too long or too short: squareness and straightness are distorted towards it",

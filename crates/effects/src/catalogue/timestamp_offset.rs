@@ -13,10 +13,7 @@ pub(super) const EFFECT: Effect = Effect {
     subjects: Subject::each_axis,
     parameters: |_, _| vec![Parameter::new("offset", "ms")],
     shape: Shape::Fixed,
-    form: Form::Axis(|of| match of.is_of_moving_axis() {
-        true => of.at.speed_per_s * SECONDS_PER_MS,
-        false => 0.0,
-    }),
+    form: Form::Delay(SECONDS_PER_MS),
     explanation: Explanation {
         cause: "readings are taken on the fly and their time stamps do not belong to the positions; on a circle the servo of this axis lags more than that of the other one",
         consequence: "looks like lost motion in proportion to the feed",

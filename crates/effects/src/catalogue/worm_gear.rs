@@ -4,7 +4,6 @@
 //! two waves per turn belong to the encoder's disc. s and c are `sine` and `cosine` in arcsec, positive about
 //! the axis.
 
-use crate::waves::waves_about_axis;
 use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 
 pub(super) const EFFECT: Effect = Effect {
@@ -13,8 +12,8 @@ pub(super) const EFFECT: Effect = Effect {
     levels: &[Level::Components],
     subjects: Subject::each_rotary_axis,
     parameters: |_, _| Parameter::sine_and_cosine("arcsec"),
-    shape: Shape::Waves,
-    form: Form::Curve(|of| waves_about_axis(of.shape, of)),
+    shape: Shape::Waves(3),
+    form: Form::WavesAbout(None),
     explanation: Explanation {
         cause: "the worm or pinion of the drive has run-out, or its teeth differ: the error repeats with every revolution of the worm",
         consequence: "between two measured angles the error is not on the straight line that a compensation table draws",

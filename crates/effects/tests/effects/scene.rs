@@ -101,7 +101,7 @@ pub(crate) fn some_shape(effect: &Effect, scene: &Scene, subject: &Subject) -> f
         (Shape::TimeConstant | Shape::SettlingTime | Shape::Lag, _) => 1800.5,
         (Shape::Period, Some(AxisKind::Rotary)) => 0.7,
         (Shape::Period, _) => 43.1,
-        (Shape::Waves, _) => 5.0,
+        (Shape::Waves(_), _) => 5.0,
     }
 }
 

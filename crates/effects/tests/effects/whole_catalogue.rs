@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use trueaxis_effects::{Displaced, Effect, Shape, catalogue, effect, shape_parameter};
+use trueaxis_kinematics::Component;
 
 use crate::scene::{every_effect, for_each_reading, scene};
 
@@ -143,13 +144,46 @@ fn effects_stay_with_their_subject_and_instant() {
 }
 
 #[test]
-fn what_moves_as_a_whole() {
+fn what_effects_have_in_common() {
     let all = |is_wanted: fn(&Effect) -> bool| -> Vec<&str> {
         let wanted = catalogue().iter().filter(|effect| is_wanted(effect));
         wanted.map(|effect| effect.id).collect()
     };
+    let scales = ["refraction_drift", "station_scale", "length_scale"];
+    assert_eq!(all(Effect::scales_lengths), scales);
+    let lost_motion = ["backlash", "position_dependent_backlash"];
+    assert_eq!(all(Effect::is_lost_motion), lost_motion);
+    assert_eq!(all(Effect::is_delay), ["timestamp_offset"]);
+    assert_eq!(all(Effect::grows_axis), ["axis_expansion"]);
+    assert_eq!(all(Effect::is_scale_of_axis), ["scale_error"]);
     let machine = ["machine_drift", "warm_up", "machine_shift"];
     assert_eq!(all(Effect::moves_machine), machine);
     let station = ["station_drift", "station_settling", "station_jump"];
     assert_eq!(all(Effect::moves_station), station);
+}
+
+/// Each curve of a linear and of a rotary axis shows those effects by itself that change nothing else.
+#[test]
+fn what_a_curve_tells() {
+    let scene = scene();
+    let told = |axis: usize, component: Component| -> Vec<&str> {
+        let axis = &scene.machine.axes()[axis];
+        let own = catalogue()
+            .iter()
+            .filter(|e| e.is_of_curve(axis, component));
+        own.map(|effect| effect.id).collect()
+    };
+    let [y, c] = [1, 4];
+    assert_eq!(told(y, Component::Y), ["scale_error", "cyclic_error"]);
+    for other in [Component::X, Component::Z, Component::A, Component::B] {
+        assert_eq!(told(y, other), ["cyclic_error"]);
+    }
+    let about = ["encoder_eccentricity", "encoder_ellipticity", "worm_gear"];
+    assert_eq!(told(c, Component::C), about);
+    assert_eq!(told(c, Component::Z), ["cyclic_error"]);
+    assert_eq!(told(c, Component::X), ["axis_runout"]);
+    assert_eq!(told(c, Component::B), ["axis_wobble"]);
+    let waves = |id: &str| effect(id).and_then(|effect| effect.waves(5.0));
+    let waves = about.map(waves);
+    assert_eq!(waves, [1.0, 2.0, 5.0].map(Some));
 }

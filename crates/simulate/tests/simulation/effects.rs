@@ -112,7 +112,7 @@ fn effects_of_no_size_change_no_length() {
                 Shape::Fixed => 0.0,
                 Shape::Instant | Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => 600.0,
                 Shape::Period => 2.0,
-                Shape::Waves => 3.0,
+                Shape::Waves(_) => 3.0,
             },
         };
         Some(serde_json::to_value(resolved.to_given(&scene)).unwrap())
