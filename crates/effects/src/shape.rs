@@ -26,7 +26,7 @@ pub enum Shape {
     Lag,
     /// A period along the axis, mm or rad.
     Period,
-    /// A whole number of waves per turn, from one on that is no other effect's.
+    /// A whole number of waves per turn, from this one on; fewer are those of another effect.
     Waves(u32),
 }
 

@@ -2,10 +2,10 @@
 //!
 //! `guideway_bow` joins two sets ([`crate::components::bow`]). Periods run from twice the step, the
 //! shortest that equal steps tell from a longer one, to half the travel: what does not repeat at least
-//! twice is not called periodic. Waves of a turn are whole numbers, which a small part of a turn does not tell from each other: then
-//! they are looked for as far apart as periods are. They are looked for over any part of it, and named where they show twice; of one or
-//! two a turn, which nobody has to look for, once ([`shows_its_waves`]): a part of a wave is like any smooth curve, with an
-//! amplitude that may be any.
+//! twice is not called periodic. Waves per turn are whole numbers; where a small part of a turn does not tell neighbouring ones
+//! apart, they are tried as far apart as periods are. They are tried over any part of a turn, but named only where two waves show,
+//! of one or two per turn, which every rotary axis may have, one ([`shows_its_waves`]): a part of a wave looks like any smooth
+//! curve, with an arbitrary amplitude.
 
 use std::f64::consts::TAU;
 
@@ -31,7 +31,7 @@ const FREQUENCIES_PER_TRAVEL: f64 = 4.0;
 /// Times that a period must fit into the travel.
 const FEWEST_PERIODS: f64 = 2.0;
 
-/// Waves a turn that need not be looked for: what is eccentric, and what is oval.
+/// Waves per turn that every rotary axis may have: what is eccentric, and what is oval.
 const KNOWN_WAVES: f64 = 2.0;
 
 /// Steps per period that tell it from a longer one.
@@ -78,7 +78,7 @@ impl Candidate {
 /// Equal steps of the frequency.
 fn periods(set: &CurveSet) -> Vec<f64> {
     let travel = set.travel();
-    // Of waves of two steps the steps show one phase only, which is as much as there is to know if no others were measured.
+    // Of waves two steps long the steps show one phase only; where no other positions were measured, no more can be known.
     let untold = if set.thinned.is_some() { 1.0 } else { 0.0 };
     let highest = travel / (STEPS_PER_PERIOD * set.step()) - untold / FREQUENCIES_PER_TRAVEL;
     let count = FREQUENCIES_PER_TRAVEL * (highest - FEWEST_PERIODS);
@@ -132,8 +132,8 @@ pub(crate) fn waves_apart(set: &CurveSet) -> Option<f64> {
     (apart >= 2.0).then_some(apart)
 }
 
-/// Whether the positions show enough of the waves of a turn to give them their name. Without it they still take their part of a
-/// curve, which others would share among them.
+/// Whether the positions show enough of the waves of a turn for these to be named. Where they do not, the waves stay in the model all
+/// the same: else other effects would share what is theirs.
 pub(crate) fn shows_its_waves(set: &CurveSet, effect: &Effect, shape: f64) -> bool {
     effect.waves(shape).is_none_or(|waves| {
         let enough = if waves <= KNOWN_WAVES {

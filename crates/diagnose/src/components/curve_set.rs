@@ -101,7 +101,7 @@ pub(crate) fn curve_sets(
     sets
 }
 
-/// Every `stride`-th node of each side of approach, in order: sides that take turns lose as much of either.
+/// Every `stride`-th node of each side of approach, in order, so that sides that take turns lose equally many.
 fn thinned(sides: &[Option<Direction>], stride: usize) -> Vec<usize> {
     let kept = [None, Some(Direction::Backward), Some(Direction::Forward)].map(|side| {
         let own = (0..sides.len()).filter(move |&node| sides[node] == side);

@@ -43,7 +43,7 @@ type WithCoordinates = (Tail, Vec<(f64, f64)>);
 const NEGLIGIBLE: f64 = -20.0;
 
 impl Judgement {
-    /// Whitens the candidate's columns for each size. What is as long as the curve is let go at once: many shapes times many sizes
+    /// Whitens the candidate's columns for each size. What is as long as the curve is dropped at once: many shapes times many sizes
     /// of it would not fit into memory.
     pub(crate) fn new(set: &CurveSet, backgrounds: &[Background], candidate: &Candidate) -> Self {
         let raw = columns(set, candidate);

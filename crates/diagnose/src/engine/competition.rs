@@ -151,7 +151,7 @@ pub(crate) fn add_rival_disturbances<D: Wanders>(
 /// same thing.
 const PART: f64 = 0.1;
 
-/// The model without causes that do not describe how the thing moves that they make responsible.
+/// The model without causes that do not describe how what they blame moves.
 fn described<D: Wanders>(
     base: &D,
     mut model: Competed<D>,

@@ -29,7 +29,7 @@ impl Coordinate {
     }
 }
 
-/// How something is moved that an axis carries.
+/// How what an axis carries is moved.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Motion {
     /// The linear axis goes further.

@@ -108,7 +108,7 @@ fn with_time_constant<D: Measured>(
     let at = |shape: f64| columns(&suspect.hypothesis, shape);
     let mut all = at(suspect.shape);
     let n = all.len();
-    // Of a lag that is almost none, a part of the campaign.
+    // Where there is almost no lag, a part of the campaign.
     let step = STEP * suspect.shape.max(STEP * duration_s(&data.visits()));
     let ends = [(suspect.shape - step).max(0.0), suspect.shape + step];
     let ends = ends.map(|shape| (shape, at(shape)));
@@ -139,7 +139,7 @@ pub(crate) fn with_uncertainties(
     let largest = values
         .iter()
         .fold(0.0_f64, |most, value| most.max(value.abs()));
-    // Of what is not seen at all there is nothing but rounding.
+    // What is not seen at all is nothing but rounding.
     let value = |k: usize| match seen[k] || values[k].abs() > ROUNDING * largest {
         true => values[k],
         false => 0.0,

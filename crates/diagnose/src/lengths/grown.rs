@@ -33,7 +33,7 @@ pub(crate) fn add_growth(
         let own = base.columns(&without, &hypothesis, found.suspect.shape);
         let own = Fit::new(&without.projection, &own).gained();
         let grown = grown(base, &without, &hypothesis, found.suspect.shape);
-        // Where it is held is no finding: it costs nothing.
+        // Where it is held is not a finding, so it costs nothing.
         let gained = Fit::new(&without.projection, &grown).gained();
         if own - gained < DECISIVE {
             let machine = Wanderer {

@@ -3,7 +3,7 @@
 use crate::said::Entry;
 use crate::verification::series::Series;
 
-/// Standard uncertainties of a difference within which two sizes are alike, and of a size that says so itself.
+/// Two sizes are alike if they differ by no more than so many standard uncertainties; a size is clear from so many of its own on.
 const COVERAGE: f64 = 2.0;
 const CLEAR: f64 = 5.0;
 

@@ -146,7 +146,7 @@ fn set_progress(all: &mut [Arrival]) {
 fn set_motion(all: &mut [Arrival], timed: bool, goes_on: bool) {
     for pass in all.chunk_by_mut(Arrival::is_of_pass) {
         let positions: Vec<Vec<f64>> = pass.iter().map(|a| a.positions.clone()).collect();
-        // Rows that were left out took their time, too.
+        // Rows that were left out took time, too.
         let time = |a: &Arrival| if timed { a.time_s } else { a.line as f64 };
         let times: Vec<f64> = pass.iter().map(time).collect();
         let moving = (0..positions[0].len()).filter(|&axis| {

@@ -1,7 +1,7 @@
 //! Errors of stops that follow each other may be alike: those of air that stirs slowly, of a probe, or of a filter.
 //!
 //! Taken as independent they look like drifts, jumps and courses, and mean values of neighbours look more certain than they are. Their
-//! correlation ρ is told by what repeats do not repeat: of the readings beside a value of each position and side, an offset and a
+//! correlation ρ is told by what repeats do not reproduce: of the readings beside a value of each position and side, an offset and a
 //! slope of each pass, and the causes, restricted maximum likelihood
 //!
 //! ```text

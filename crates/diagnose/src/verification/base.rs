@@ -8,7 +8,7 @@
 //! A *line* is the readings with the other axes at the same positions; the interferometer is set to
 //! zero for each. The mean curve is that over all cycles, directions and lines: it absorbs the
 //! positioning error of the axis, so scale and cyclic error, but not what differs between directions,
-//! cycles or lines. The set-up of a ball bar absorbs a constant and once per turn: errors of scale that
+//! cycles or lines. The set-up of a ball bar absorbs a constant and one wave per turn: errors of scale that
 //! the axes have in common, not squareness.
 
 use std::cmp::Ordering;

@@ -186,7 +186,7 @@ fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>) -> Option<Model<'a>>
         if model.wandering.is_empty() {
             return None;
         }
-        // Where a cause began, and how long it took, is another beside what wanders.
+        // When a cause began and how long it took changes beside what wanders.
         refine(&model.problem.listed, &mut causes);
         // The true course is never quite the process.
         let level = plain.level.min(FURTHER_LEVEL);

@@ -1,4 +1,4 @@
-//! Whether causes describe how what they name goes, where something wanders beside them.
+//! Whether causes describe the course of what they name, where something wanders beside them.
 
 use trueaxis_effects::Shape;
 use trueaxis_leastsquares::dot;
@@ -14,8 +14,8 @@ use crate::verification::wandering::{FittedProcess, wandering};
 /// A cause in time is no more than a part of what wanders if this part of what it explains is left to that.
 const PART: f64 = 0.1;
 
-/// A wave along an axis whose curve wanders over the position is a rest of that, if it explains less than this part of it, or if it
-/// is longer than this part of the correlation length: then the curve may go so by itself.
+/// A wave along an axis whose curve wanders with position is a remainder of that curve, if it explains less than this part of it, or
+/// if it is longer than this part of the correlation length: then the curve may take this course by itself.
 const REST: f64 = 0.25;
 const OWN_COURSE: f64 = 0.75;
 

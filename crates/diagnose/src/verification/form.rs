@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use trueaxis_leastsquares::{half_waves, matern_roots};
 
-/// Standard deviation of what changes between two passes without a clock, in those of the smooth course.
+/// Standard deviation of what changes between two passes without a clock, in standard deviations of the smooth course.
 const BETWEEN_PASSES: f64 = 0.5;
 
 /// How a course goes on, over its argument from 0 to 1.

@@ -28,7 +28,7 @@ const LEAST_READINGS: f64 = 3.0;
 /// Arrivals on either side of an instant, at least (a quarter of all, if that is less).
 const LEAST_ARRIVALS: usize = 3;
 
-/// Of all arrivals of a bar so many parts are at least one on either side.
+/// Of a bar at least one in so many of all arrivals is on either side.
 const PARTS_OF_A_CIRCLE: usize = 20;
 
 /// Instants that are tried at most.
@@ -44,7 +44,7 @@ const WAVE_STEP: f64 = 0.125;
 /// Steps of the wave number of the longest period, half the range: what does not come back is a step, a slope or a bow.
 const FEWEST_STEPS: u32 = 16;
 
-/// Steps of the wave number that are tried at most; the grid stays small enough to look at in no time.
+/// Steps of the wave number that are tried at most, so that the grid takes no time worth mentioning.
 const MOST_STEPS: u32 = 400;
 
 /// Whole waves per turn that are tried at most.
@@ -74,7 +74,7 @@ pub(crate) fn candidates<'a>(
             // An axis that stands, but elsewhere than in the calibration, is coupled as one that moves.
             scene.moving.extend(&comparison.parked_elsewhere);
         } else if effect == BACKLASH {
-            // Nor does an axis stand that came to one position from both sides.
+            // An axis that came to its one position from both sides does not stand, either.
             let turns = |axis: &usize| comes_from_both_sides(comparison, *axis);
             scene.moving.extend(comparison.line().filter(turns));
         }

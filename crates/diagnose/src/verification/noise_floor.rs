@@ -1,4 +1,4 @@
-//! The noise of one arrival, from what repeats do not repeat.
+//! The noise of one arrival, from what repeats do not reproduce.
 //!
 //! Pure error: readings at the same commanded positions in the same direction, against their mean. What
 //! moves from cycle to cycle is an effect, not noise, and must not hide in the floor; so each pass (cycle
@@ -48,7 +48,7 @@ pub(crate) fn repeats(comparison: &Comparison<'_>) -> f64 {
     comparison.arrivals.len() as f64 / cells as f64
 }
 
-/// What repeats do not repeat beyond an offset of each pass, with the model's projection; `None` without enough
+/// What repeats do not reproduce beyond an offset of each pass, with the model's projection; `None` without enough
 /// repeats. A slope of each pass would make all readings of a pass of three stops look alike, an offset those of a pass of two: where
 /// no pass is longer, as in a test of repeatability, there is none, and readings are seen against those of the other passes.
 pub(crate) fn scatter(comparison: &Comparison<'_>) -> Option<Projection> {

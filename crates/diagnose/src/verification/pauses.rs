@@ -1,4 +1,4 @@
-//! How long a machine pauses between two cycles is not in a table without a clock.
+//! A table without a clock does not say how long the machine pauses between two cycles.
 //!
 //! What drifts goes on meanwhile. By the numbers of its rows a drift is then quicker than within the cycles, where it is slower by
 //! what grows on the way there and falls on the way back: lost motion that changes along the axis. Pauses are not shorter than nothing
@@ -130,7 +130,7 @@ impl ByPauses {
     }
 }
 
-/// Standard uncertainties from nothing that a value is which may be nothing.
+/// A value that is no more than so many standard uncertainties from zero may be zero.
 const COVERAGE: f64 = 2.0;
 
 /// The constant form of a lost motion that changes along the axis.

@@ -115,7 +115,7 @@ fn shown(problem: &Problem<'_>, scene: &Scene, misfit: &[f64], fitted: &[f64]) -
     Some(Fitted { against, ..fitted })
 }
 
-/// Probability of noise giving what a larger form has more, above which that is taken for absent.
+/// Probability that noise gives as much as a larger form has more, above which there is taken to be no more.
 const UNDECIDED: f64 = 0.1;
 
 /// What explains the data nearly as well as a cause, all against the model with the other causes. A

@@ -55,7 +55,7 @@ fn grown(
     level: f64,
     (most, with_shapes): (usize, bool),
 ) -> Vec<Chosen> {
-    // Each round adds a cause; one that another makes superfluous gives its place free once.
+    // Each round adds a cause, and one that another makes superfluous leaves at most once.
     for _ in 0..2 * most {
         if causes.len() == most {
             break;

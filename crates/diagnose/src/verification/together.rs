@@ -71,7 +71,7 @@ pub(crate) fn together(
         let Some(k) = doubtful else {
             break (found, of_each, sizes);
         };
-        // What it took the place of goes back to its series.
+        // The cause that it replaced goes back to its series.
         let is_replaced = |n: &&Chosen| !has(&named, &found[k]) && !has(&found, n);
         let replaced = named.iter().filter(is_replaced);
         let back = replaced.chain([&found[k]]);
@@ -129,10 +129,10 @@ fn its_own(series: &Series<'_>, is_joint: impl Fn(&Hypothesis) -> bool) -> Vec<C
     causes.filter(is_own).copied().collect()
 }
 
-/// Causes that give their places to others with more evidence, at most.
+/// Replacements of causes by others with more evidence, at most.
 const MOST_EXCHANGES: usize = 8;
 
-/// The causes with the best shapes over all series; each gives its place to what has more evidence.
+/// The causes with the best shapes over all series; each is replaced by what has more evidence.
 fn exchanged(listed: &Listed, mut causes: Vec<Chosen>, level: f64) -> Vec<Chosen> {
     for _ in 0..MOST_EXCHANGES {
         let before = causes.clone();

@@ -2,7 +2,7 @@
 //!
 //! ISO 230-2 asks for a run beyond the last position, so that it is reached from both sides. Where the axis turns at it, both
 //! readings of it came from one side, whatever the table says: they agree, and everywhere else the sides differ. Taken as it
-//! stands that is lost motion which the ends do not have, as of a worn drive.
+//! stands, this is lost motion that the ends do not have, as of a worn drive.
 //!
 //! What the sides differ by at the positions within, in the mean over the cycles, is a straight line (a drift between the way there
 //! and the way back makes it one); an end at which they agree, plainly off this line, has readings of one side.

@@ -125,7 +125,7 @@ impl Wanderer {
         [Some(self), twin].into_iter().flatten()
     }
 
-    /// Whether a course in time is all that it is.
+    /// Whether it is a course in time and nothing else.
     pub(crate) fn is_of_time(self) -> bool {
         matches!(self, Self::Instrument | Self::Machine | Self::Scale)
     }

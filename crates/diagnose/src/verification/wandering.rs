@@ -35,7 +35,7 @@ pub(crate) fn wandering(plain: &Problem<'_>, causes: &[Chosen]) -> Vec<FittedPro
         all.retain(|wanderer| !wanderer.is_of_time());
     }
     let mut own: Vec<FittedProcess> = Vec::new();
-    // Each round adds one; one that another makes superfluous gives its place free once.
+    // Each round adds one, and one that another makes superfluous leaves at most once.
     for _ in 0..2 * MOST {
         if own.len() == MOST {
             break;
@@ -200,7 +200,7 @@ fn judge(
     is_plausible(problem, &model, &own).then_some(own)
 }
 
-/// Whether an axis grows and shrinks by no more than one can, three standard uncertainties considered.
+/// Whether an axis grows and shrinks by no more than an axis can, three standard uncertainties considered.
 fn is_plausible(problem: &Problem<'_>, model: &Projection, own: &FittedProcess) -> bool {
     let comparison = problem.comparison;
     let is_growth = |candidate: &&Candidate| {
