@@ -14,10 +14,9 @@ use crate::adjustment::GroupAdjustment;
 use crate::batches::Batch;
 use crate::memory::{Gauge, Memory};
 use crate::noise::factor_len;
-use crate::slots::SlotVisit;
 use crate::state::State;
 use crate::tie::Tie;
-use crate::visit_weights::{is_read, own_variance};
+use crate::visit_weights::{by_visit, is_read, own_variance};
 use crate::{Network, Solution};
 
 /// Batches that one thread takes at a time, and that one partial sum is made of.
@@ -139,7 +138,7 @@ impl<'a> BatchInfluence<'a> {
         } = rows;
         self.model.fill(&self.state, b, Gauge::Free, memory);
         let batch = &self.batches()[b];
-        let used = batch.groups.len();
+        let (used, noise) = (batch.groups.len(), &self.model.network.noise);
         hat.fill(&memory.equations, self.factors(b), used);
 
         let mask = Lanes::mask(used);
@@ -147,23 +146,16 @@ impl<'a> BatchInfluence<'a> {
         there.clear();
         for slot in 0..batch.slots() {
             let distance_mm = memory.beams.of_slots[slot].distance_mm;
-            variances.push(own_variance(
-                batch,
-                &self.model.network.noise,
-                slot,
-                distance_mm,
-            ));
+            variances.push(own_variance(batch, noise, slot, distance_mm));
             there.push(is_read(batch, slot) * mask);
         }
         unit_errors.clear();
-        let mut weights = memory.weights.as_slice();
-        for SlotVisit { slots, .. } in &batch.layout.visits {
-            for i in 0..slots.len() {
+        for (_, count, weights) in by_visit(batch, &memory.weights) {
+            for i in 0..count {
                 let row = &weights[factor_len(i)..factor_len(i + 1)];
                 unit_errors.extend_from_slice(row);
-                unit_errors.resize(unit_errors.len() + slots.len() - row.len(), Lanes::ZERO);
+                unit_errors.resize(unit_errors.len() + count - row.len(), Lanes::ZERO);
             }
-            weights = &weights[factor_len(slots.len())..];
         }
     }
 }

@@ -83,12 +83,8 @@ impl Solution {
                     let (batch, shared) = (&batches[b], rows.hat.shared());
                     let part = memory.part_of(shared, batch, rows);
                     add_symmetric_product(&mut sum, shared.transposed(), part);
-                    add_blocks(
-                        batch,
-                        (rows, influence.factors(b)),
-                        &mut memory,
-                        &mut blocks,
-                    );
+                    let of_batch = (&*rows, influence.factors(b));
+                    add_blocks(batch, of_batch, &mut memory, &mut blocks);
                 }
                 let sum = sum.into_iter().map(Lanes::sum);
                 (DMatrix::from_row_iterator(width, width, sum), blocks)

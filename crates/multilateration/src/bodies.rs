@@ -194,12 +194,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn three_points_in_line_are_no_body() {
-        let at = |x: f64, y: f64| Point3::new(x, y, 5.0);
-        assert!(are_in_line(&[at(0.0, 0.0), at(1.0, 1.0)]));
-        assert!(are_in_line(&[at(0.0, 0.0), at(1.0, 1.0), at(3.0, 3.0)]));
-        assert!(!are_in_line(&[at(0.0, 0.0), at(1.0, 1.0), at(3.0, 3.1)]));
-    }
 }

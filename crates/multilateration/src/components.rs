@@ -144,13 +144,7 @@ impl Form {
         pairs([self.twice, self.once, self.all].map(Lanes::sum))
     }
 
-    /// Adds `Σ a_k a_l` of elements `a_1` for `V_1` and `a` for the identity.
-    #[inline(always)]
-    fn add_squares(&mut self, part: Lanes, all: Lanes) {
-        self.add_products([part, all], [part, all]);
-    }
-
-    /// Adds `Σ a_k b_l`, a form that is symmetric.
+    /// Adds `Σ a_k b_l` of elements `a_1` for `V_1` and `a` for the identity, a form that is symmetric.
     #[inline(always)]
     fn add_products(&mut self, [a_part, a_all]: [Lanes; 2], [b_part, b_all]: [Lanes; 2]) {
         self.twice = a_part.mul_add(b_part, self.twice);
@@ -236,11 +230,12 @@ impl Products {
         }
         for i in 0..count {
             for k in 0..unknowns {
-                sums.absorbed.add_squares(own_part.at(i, k), own.at(i, k));
+                let both = [own_part.at(i, k), own.at(i, k)];
+                sums.absorbed.add_products(both, both);
             }
         }
         for (part, all) in self.own[0].iter().zip(&self.own[1]) {
-            sums.own.add_squares(*part, *all);
+            sums.own.add_products([*part, *all], [*part, *all]);
         }
         let through = self.cross_through[0].iter().zip(&self.cross_through[1]);
         let cross = self.cross[0].iter().zip(&self.cross[1]);

@@ -90,34 +90,21 @@ impl Network {
     /// Checks indices and numbers, so that the rest of the crate can rely on them.
     pub(crate) fn check(&self) -> Result<(), Error> {
         let malformed = |what: String| Err(Error::malformed(what));
-        let mut next = 0;
-        for (i, group) in self.groups.iter().enumerate() {
-            if group.start != next || group.end <= next || group.end > self.nominal_mm.len() {
-                return malformed(format!(
-                    "group {i} covers points {group:?}, expected from {next}"
-                ));
-            }
-            next = group.end;
+        check_parts(&self.groups, ("group", "points"), self.nominal_mm.len())?;
+        if let Some(i) = self.groups.iter().position(Range::is_empty) {
+            return malformed(format!("group {i} has no points"));
         }
-        if next != self.nominal_mm.len() {
-            return malformed(format!("points from {next} on belong to no group"));
-        }
-        let (mut next, mut finite) = (0, true);
+        let of_visits = self.visits.iter().map(|visit| &visit.readings);
+        check_parts(of_visits, ("visit", "readings"), self.readings.len())?;
+        let mut finite = true;
         for (i, visit) in self.visits.iter().enumerate() {
-            let range = &visit.readings;
-            if range.start != next || range.end < next || range.end > self.readings.len() {
-                return malformed(format!(
-                    "visit {i} covers readings {range:?}, expected from {next}"
-                ));
-            }
-            next = range.end;
             if visit.station >= self.stations.len() || visit.group >= self.groups.len() {
                 return malformed(format!(
                     "visit {i} names a station or group that is not there"
                 ));
             }
             let points = self.groups[visit.group].len();
-            for reading in &self.readings[range.clone()] {
+            for reading in self.readings_of(visit) {
                 if reading.point >= points {
                     return malformed(format!(
                         "visit {i} reads a point that its group does not have"
@@ -125,9 +112,6 @@ impl Network {
                 }
                 finite &= reading.length_mm.is_finite();
             }
-        }
-        if next != self.readings.len() {
-            return malformed(format!("readings from {next} on belong to no visit"));
         }
         let mut places = self.nominal_mm.iter();
         if !finite || !places.all(|p| p.iter().all(|x| x.is_finite())) {
@@ -267,6 +251,28 @@ impl Network {
             next[visit.group] += 1;
         }
         VisitsByGroup { starts, visits }
+    }
+}
+
+/// Checks that the parts of owners follow each other and leave nothing of all.
+fn check_parts<'r>(
+    parts: impl IntoIterator<Item = &'r Range<usize>>,
+    (owner, what): (&str, &str),
+    all: usize,
+) -> Result<(), Error> {
+    let mut next = 0;
+    for (i, part) in parts.into_iter().enumerate() {
+        if part.start != next || part.end < next || part.end > all {
+            let what = format!("{owner} {i} covers {what} {part:?}, expected from {next}");
+            return Err(Error::malformed(what));
+        }
+        next = part.end;
+    }
+    match next == all {
+        true => Ok(()),
+        false => Err(Error::malformed(format!(
+            "{what} from {next} on belong to no {owner}"
+        ))),
     }
 }
 

@@ -74,22 +74,3 @@ pub(crate) fn constants_mm(contrasts_mm: &[f64]) -> Vec<f64> {
         n => (0..=n).map(constant).collect(),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn contrasts_are_orthonormal_and_have_no_mean() {
-        const COUNT: usize = 8;
-        for m in 0..COUNT - 1 {
-            let sum: f64 = (0..COUNT).map(|r| contrast(r, m)).sum();
-            assert!(sum.abs() < 1e-15);
-            for n in 0..COUNT - 1 {
-                let product: f64 = (0..COUNT).map(|r| contrast(r, m) * contrast(r, n)).sum();
-                let expected = f64::from(u8::from(m == n));
-                assert!((product - expected).abs() < 1e-15, "{m} {n}");
-            }
-        }
-    }
-}

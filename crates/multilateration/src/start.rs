@@ -57,7 +57,7 @@ impl Start {
 
 pub(crate) fn start(network: &Network) -> Result<Start, Error> {
     let seen = sightings(network);
-    let (mut stations, mut dead_paths_mm, mut images) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut stations, mut images) = (Vec::new(), Vec::new());
     for (j, (readings, some)) in seen.into_iter().enumerate() {
         let mut cloud = Cloud::new(&some);
         let mut fits = find_station(&some, &cloud, network.stations[j]);
@@ -76,16 +76,13 @@ pub(crate) fn start(network: &Network) -> Result<Start, Error> {
                 rms_mm,
             });
         };
-        stations.push(fit.position);
-        dead_paths_mm.push(fit.dead_path_mm);
+        let place = fit.station.position_mm;
         let is_open = network.stations[j].is_none();
-        let mut others = fits.iter().filter(|_| is_open);
-        let image = others.find(|other| cloud.on_other_side(fit.position, other.position));
-        images.push(image.map(|image| Station {
-            position_mm: image.position,
-            dead_path_mm: image.dead_path_mm,
-        }));
+        let mut others = fits.iter().map(|fit| fit.station).filter(|_| is_open);
+        images.push(others.find(|other| cloud.on_other_side(place, other.position_mm)));
+        stations.push((place, fit.station.dead_path_mm));
     }
+    let (stations, dead_paths_mm) = stations.into_iter().unzip();
     let points = network.nominal_mm.clone();
     Ok(Start {
         state: State::new(network, stations, dead_paths_mm, points),
@@ -126,7 +123,7 @@ fn without_far(
         .iter()
         .min_by(|a, b| a.rms_mm.total_cmp(&b.rms_mm))
         .filter(|fit| fit.rms_mm > POOR_FIT * cloud.radius_mm)?;
-    let size_mm = |s: &Sighting| residual_mm(s, fit.position, fit.dead_path_mm).abs();
+    let size_mm = |s: &Sighting| residual_mm(s, fit.station).abs();
     let median_mm = median(&mut sightings.iter().map(size_mm).collect::<Vec<_>>())?;
     let near = sightings.iter().filter(|s| size_mm(s) <= FAR * median_mm);
     let rest: Vec<Sighting> = near.copied().collect();

@@ -68,12 +68,8 @@ fn fill_factor_row(
         }
         row[j] = c * of_j[j];
     }
-    let own = own_variance(
-        batch,
-        noise,
-        first + i,
-        beams.of_slots[first + i].distance_mm,
-    ) + repeatability_variance;
+    let distance_mm = beams.of_slots[first + i].distance_mm;
+    let own = own_variance(batch, noise, first + i, distance_mm) + repeatability_variance;
     let mut c = own * there + (Lanes::splat(1.0) - there);
     for x in &row[..i] {
         c = x.mul_add(-*x, c);

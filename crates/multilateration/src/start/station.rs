@@ -14,6 +14,7 @@ use nalgebra::{DMatrix, Matrix3, Matrix4, Point3, Unit, Vector3, Vector4};
 use trueaxis_leastsquares::{Error as LeastSquaresError, dense};
 
 use super::POOR_FIT;
+use crate::Station;
 
 /// A fit as good as another within this factor does not decide between two mirror images.
 const TIE: f64 = 1.01;
@@ -78,8 +79,7 @@ impl Cloud {
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StationFit {
-    pub(super) position: Point3<f64>,
-    pub(super) dead_path_mm: f64,
+    pub(super) station: Station,
     pub(super) rms_mm: f64,
 }
 
@@ -103,8 +103,8 @@ pub(super) fn find_station(
         fits = best_fits(sightings, &starts);
     }
     let rank = |fit: &StationFit| match approx {
-        Some(approx) => (fit.position - approx).norm(),
-        None => -cloud.height(fit.position),
+        Some(approx) => (fit.station.position_mm - approx).norm(),
+        None => -cloud.height(fit.station.position_mm),
     };
     fits.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
     fits
@@ -112,14 +112,10 @@ pub(super) fn find_station(
 
 /// The refined starts that fit as well as the best one.
 fn best_fits(sightings: &[Sighting], starts: &[Point3<f64>]) -> Vec<StationFit> {
-    let mut fits: Vec<StationFit> = starts
-        .iter()
-        .filter_map(|&start| refine(sightings, start))
-        .collect();
-    let least = fits
-        .iter()
-        .map(|fit| fit.rms_mm)
-        .fold(f64::INFINITY, f64::min);
+    let fits = starts.iter().filter_map(|&start| refine(sightings, start));
+    let mut fits: Vec<StationFit> = fits.collect();
+    let all = fits.iter().map(|fit| fit.rms_mm);
+    let least = all.fold(f64::INFINITY, f64::min);
     fits.retain(|fit| fit.rms_mm <= TIE * least + TIE_MM);
     fits
 }
@@ -129,31 +125,20 @@ fn best_fits(sightings: &[Sighting], starts: &[Point3<f64>]) -> Vec<StationFit> 
 fn linear_candidates(sightings: &[Sighting], cloud: &Cloud) -> Vec<Point3<f64>> {
     let scale = cloud.radius_mm;
     let scaled = |s: &Sighting| {
-        (
-            (s.point - cloud.centroid) / scale,
-            (s.length_mm - cloud.mean_length_mm) / scale,
-        )
+        let place = (s.point - cloud.centroid) / scale;
+        (place, (s.length_mm - cloud.mean_length_mm) / scale)
     };
-    let design = DMatrix::from_fn(sightings.len(), 5, |i, k| {
-        let (p, l) = scaled(&sightings[i]);
-        match k {
-            0..3 => 2.0 * p[k],
-            3 => 2.0 * l,
-            _ => -1.0,
-        }
+    let scaled: Vec<_> = sightings.iter().map(scaled).collect();
+    let design = DMatrix::from_fn(scaled.len(), 5, |i, k| match (k, scaled[i]) {
+        (0..3, (p, _)) => 2.0 * p[k],
+        (3, (_, l)) => 2.0 * l,
+        _ => -1.0,
     });
-    let right: Vec<f64> = sightings
-        .iter()
-        .map(|s| {
-            let (p, l) = scaled(s);
-            p.norm_squared() - l * l
-        })
-        .collect();
+    let square = |(p, l): &(Vector3<f64>, f64)| p.norm_squared() - l * l;
+    let right: Vec<f64> = scaled.iter().map(square).collect();
     let position = |s: Vector3<f64>| cloud.centroid + s * scale;
     match dense::solve(&design, &right) {
-        Ok(fit) => {
-            vec![position(Vector3::from_column_slice(&fit.unknowns[..3]))]
-        }
+        Ok(fit) => vec![position(Vector3::from_column_slice(&fit.unknowns[..3]))],
         Err(LeastSquaresError::DenseRank { rank: 4, .. }) => {
             // The points lie in a plane: nothing is known across it, so the foot of the station
             // is found without it and the height follows from q = |S|² - L².
@@ -188,10 +173,9 @@ fn planar_candidates(
     };
     let height = (q + l * l - a * a - b * b).max(0.0).sqrt();
     let foot = u.into_inner() * a + v * b;
-    vec![
-        foot + normal.into_inner() * height,
-        foot - normal.into_inner() * height,
-    ]
+    [height, -height]
+        .map(|height| foot + normal.into_inner() * height)
+        .to_vec()
 }
 
 /// Starts all around the points, for when the linear ones fail.
@@ -235,11 +219,11 @@ fn refine(sightings: &[Sighting], start: Point3<f64>) -> Option<StationFit> {
         }
     }
     let rms_mm = (here.squares / sightings.len().max(1) as f64).sqrt();
-    rms_mm.is_finite().then_some(StationFit {
-        position,
+    let station = Station {
+        position_mm: position,
         dead_path_mm: dead_path,
-        rms_mm,
-    })
+    };
+    rms_mm.is_finite().then_some(StationFit { station, rms_mm })
 }
 
 /// `Σ r²`, `JᵀJ` and `Jᵀr` of the lengths to one station, whose rows of `J` are `-(u, 1)` with the unit vectors `u` to the points.
@@ -277,6 +261,6 @@ fn mean_dead_path(sightings: &[Sighting], position: Point3<f64>) -> f64 {
     sum / sightings.len().max(1) as f64
 }
 
-pub(super) fn residual_mm(s: &Sighting, position: Point3<f64>, dead_path: f64) -> f64 {
-    s.length_mm - ((s.point - position).norm() - dead_path)
+pub(super) fn residual_mm(s: &Sighting, station: Station) -> f64 {
+    s.length_mm - ((s.point - station.position_mm).norm() - station.dead_path_mm)
 }

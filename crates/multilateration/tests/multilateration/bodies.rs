@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Point3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trueaxis_multilateration::{Network, Noise, Solution, solve, solve_from};
+use trueaxis_multilateration::{Network, Noise, Solution, are_in_line, solve, solve_from};
 
 use crate::deviation::largest_deviation_mm;
 use crate::world::*;
@@ -137,4 +137,12 @@ fn stated_covariance_is_the_scatter() {
     let standard_error = (2.0 / dof / TRIALS as f64).sqrt();
     let mean = variance_factors / TRIALS as f64;
     assert!((mean - 1.0).abs() < 5.0 * standard_error, "{mean}");
+}
+
+#[test]
+fn three_points_in_line_are_no_body() {
+    let at = |x: f64, y: f64| Point3::new(x, y, 5.0);
+    assert!(are_in_line(&[at(0.0, 0.0), at(1.0, 1.0)]));
+    assert!(are_in_line(&[at(0.0, 0.0), at(1.0, 1.0), at(3.0, 3.0)]));
+    assert!(!are_in_line(&[at(0.0, 0.0), at(1.0, 1.0), at(3.0, 3.1)]));
 }

@@ -9,5 +9,6 @@ mod irregular;
 mod own_shapes;
 mod properties;
 mod reflectors;
+mod seen;
 mod trials;
 mod world;

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
-use trueaxis_multilateration::{Error, Network, Noise, Reflectors, Solution, solve};
+use trueaxis_multilateration::{Error, Network, Noise, Reflectors, Solution, contrast, solve};
 
 use crate::deviation::{disturbed, largest_deviation_mm};
 use crate::world::*;
@@ -144,4 +144,18 @@ fn constants_that_are_not_determined_are_named() {
         (u_mm / (SIGMA_MM / 2_f64.sqrt()) - 1.0).abs() < 1e-6,
         "{u_mm}"
     );
+}
+
+#[test]
+fn contrasts_are_orthonormal_and_have_no_mean() {
+    const COUNT: usize = 8;
+    for m in 0..COUNT - 1 {
+        let sum: f64 = (0..COUNT).map(|r| contrast(r, m)).sum();
+        assert!(sum.abs() < 1e-15);
+        for n in 0..COUNT - 1 {
+            let product: f64 = (0..COUNT).map(|r| contrast(r, m) * contrast(r, n)).sum();
+            let expected = f64::from(u8::from(m == n));
+            assert!((product - expected).abs() < 1e-15, "{m} {n}");
+        }
+    }
 }
