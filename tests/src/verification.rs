@@ -1,7 +1,7 @@
 //! Verification readings of the shipped machines, by their exact models: of the three-axis machine as it is, and with the
 //! compensation of the calibration of `campaigns/fxyz` switched on; of the rotary stage and the five-axis machine as they are.
 //!
-//! Lines of X, Y and Z through the paper's point T (175.6, 497.5, 312.1) mm, 21 positions, five runs a side, and a ball bar
+//! Lines of X, Y and Z through the paper's point T (175.6, 497.5, 312.1) mm, 21 positions, five passes a side, and a ball bar
 //! of 100 mm in the plane of X and Y, both ways. A reading has noise of the instrument and the machine's repeatability; each
 //! line has a zero, the bar a set-up of its own. On the rotary stage balls at the paper's points A and B, and the centre of the
 //! bar above the middle of the stage (its Figs. 15 and 16): every 20°, three times each way.

@@ -14,7 +14,7 @@ use crate::output::Results;
 use crate::predict::source;
 use crate::talk::{notice, say_all};
 
-pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
+pub(crate) fn execute(args: &ExportArgs) -> anyhow::Result<Exit> {
     let machine = CalibratedMachine::read(&args.calibration)?;
     let format = args.format;
     let axis = args.axis.as_deref().map(|name| index(&machine, name));
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &ExportArgs) -> anyhow::Result<Exit> {
     let folder = args.onto.as_deref().map_or(Path::new(""), folder_of);
     let tables = export(&request).map_err(|error| in_folder(error, folder))?;
     let mut results = Results::new(args.out.as_deref(), &machine.campaign)?;
-    // A second run would add the tables to themselves.
+    // Made again, the tables would be added to themselves.
     if args.onto.is_some() && are_one(folder, &results.folder) {
         return Err(OntoItself {
             folder: folder.to_owned(),
@@ -87,7 +87,7 @@ fn are_one(a: &Path, b: &Path) -> bool {
 
 /// The old tables would be overwritten by what was added to them.
 #[derive(Debug, thiserror::Error)]
-#[error("the new tables would take the place of the old ones in {}, and a second run would add to them again; give another --out", folder.display())]
+#[error("the new tables would take the place of the old ones in {}, and making them again would add to them again; give another --out", folder.display())]
 pub(crate) struct OntoItself {
     folder: PathBuf,
 }

@@ -18,7 +18,7 @@ use crate::summary::probability;
 use crate::talk::{notice_all, say_all};
 use crate::traceability::{of_calibration, traced};
 
-pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<Exit> {
+pub(crate) fn execute(args: &VerifyArgs) -> anyhow::Result<Exit> {
     let machine = CalibratedMachine::read(&args.calibration)?;
     let campaign = trueaxis_campaign::read(&args.campaign)?;
     let verified = verify(&machine, &campaign, args.compensated);
@@ -187,9 +187,10 @@ fn angles(machine: &CalibratedMachine, found: &ParallelLines) -> Vec<String> {
 fn iso_230_2(found: &Positioning) -> Vec<String> {
     let value = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.2}"));
     let short = match found.is_short {
+        true if found.passes == 1 => " (only 1 pass a side, the standard wants five)".to_owned(),
         true => format!(
-            " (only {} a side, the standard wants five)",
-            counted(found.runs, "run")
+            " (only {} passes a side, the standard wants five)",
+            found.passes
         ),
         false => String::new(),
     };

@@ -387,10 +387,10 @@ fn positioning(verification: &Verification) -> Vec<(Vec<f64>, Positioning)> {
     let of_line = |line: usize| {
         let own = readings.iter().zip(&lines).filter(|(_, own)| **own == line);
         let own: Vec<_> = own.map(|(reading, _)| reading).collect();
-        let runs = own
+        let passes = own
             .iter()
             .map(|r| (r.positions[axis], r.direction, r.value_um));
-        let positioning = Positioning::new(&runs.collect::<Vec<_>>());
+        let positioning = Positioning::new(&passes.collect::<Vec<_>>());
         (own[0].positions.clone(), positioning)
     };
     (0..count).map(of_line).collect()

@@ -89,7 +89,7 @@ fn estimators_are_as_good_as_they_say() {
     }
 }
 
-/// Few degrees of freedom, noise not declared: six places of a rotary table seen once from each of four
+/// Few degrees of freedom, noise not declared: six places of a turntable seen once from each of four
 /// stations leave eight. The intervals are Student's; with k = 1.96 some 91 % would hold the truth.
 fn few_degrees_of_freedom(campaigns: u64) -> (Scatter, f64) {
     let [_, (_, text), _] = SCENARIOS;

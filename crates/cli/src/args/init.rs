@@ -24,8 +24,8 @@ pub(crate) struct InitArgs {
 pub(crate) enum MachineType {
     /// X, Y and Z move the tool.
     Fxyz,
-    /// X, Y and Z move the tool, A and C the table.
+    /// X, Y and Z move the tool, A and C the workpiece.
     FiveAxis,
-    /// A rotary table, C.
+    /// A turntable, C.
     RotaryStage,
 }

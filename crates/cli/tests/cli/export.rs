@@ -237,7 +237,7 @@ fn old_tables_are_kept() {
     }
     let onto = ["--onto", "tables/grid.csv", "--out", "sum"];
     export(&folder, "grid", &onto).assert_good();
-    // A second run would add to its own sum.
+    // Made again, it would be added to its own sum.
     let itself = ["--onto", "tables/grid.csv", "--out", "./tables"];
     let before = contents(current);
     let outcome = export(&folder, "grid", &itself);

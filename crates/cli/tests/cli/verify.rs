@@ -90,7 +90,7 @@ fn readings_that_agree() {
         "LI along X: positioning, 46 readings at 46 positions and sides",
         "above 1 at 0 of 46 (expected 2.1; p = 1.000): agrees",
         "B 0.00, mean B 0.00",
-        "only 1 run a side, the standard wants five",
+        "only 1 pass a side, the standard wants five",
         &format!("written: {path}"),
     ] {
         assert!(outcome.stderr.contains(says), "{says}: {}", outcome.stderr);

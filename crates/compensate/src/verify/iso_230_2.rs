@@ -1,7 +1,7 @@
 //! Accuracy and repeatability of positioning by ISO 230-2:2014, 3: from deviations at target positions that were approached
 //! several times from both sides.
 //!
-//! With the mean `x̄_i↑` and the standard deviation `s_i↑` of the runs at position i from below (`↓` from above):
+//! With the mean `x̄_i↑` and the standard deviation `s_i↑` of the passes at position i from below (`↓` from above):
 //!
 //! ```text
 //! B_i = x̄_i↑ - x̄_i↓                          B = max |B_i|     B̄ = mean B_i
@@ -18,14 +18,14 @@ use trueaxis_campaign::Direction;
 use crate::export::rising;
 use crate::verify::SAME;
 
-/// Runs from each side that the standard wants.
-const RUNS: usize = 5;
+/// Passes from each side that the standard wants.
+const PASSES: usize = 5;
 
 /// The quantities, µm. Those of a side that was not approached are not there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Positioning {
-    /// Fewest runs at a position from a side.
-    pub runs: usize,
+    /// Fewest passes at a position from a side.
+    pub passes: usize,
     /// Whether there are fewer than the five of the standard.
     pub is_short: bool,
     /// From below, from above, both sides.
@@ -41,23 +41,23 @@ pub struct Positioning {
 /// Quantities of one side or both, µm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Side {
-    /// Accuracy A; not with one run.
+    /// Accuracy A; not with one pass.
     pub a_um: Option<f64>,
     /// Systematic deviation E.
     pub e_um: f64,
-    /// Repeatability R; not with one run.
+    /// Repeatability R; not with one pass.
     pub r_um: Option<f64>,
 }
 
-/// Mean and standard deviation of the runs at a position from a side.
+/// Mean and standard deviation of the passes at a position from a side.
 #[derive(Debug, Clone, Copy)]
-struct Runs {
+struct Passes {
     count: usize,
     mean: f64,
     s: f64,
 }
 
-impl Runs {
+impl Passes {
     fn of(values: &[f64]) -> Option<Self> {
         let count = values.len();
         let mean = values.iter().sum::<f64>() / count as f64;
@@ -82,39 +82,39 @@ impl Positioning {
             let own = deviations
                 .iter()
                 .filter(|(q, d, _)| *d == side && (q - position).abs() <= SAME);
-            Runs::of(&own.map(|(.., x)| *x).collect::<Vec<_>>())
+            Passes::of(&own.map(|(.., x)| *x).collect::<Vec<_>>())
         };
-        let pairs: Vec<[Option<Runs>; 2]> = positions
+        let pairs: Vec<[Option<Passes>; 2]> = positions
             .iter()
             .map(|q| [at(q, Direction::Forward), at(q, Direction::Backward)])
             .collect();
-        let both: Vec<[Runs; 2]> = pairs
+        let both: Vec<[Passes; 2]> = pairs
             .iter()
             .filter_map(|[f, b]| Some([(*f)?, (*b)?]))
             .collect();
         let reversal: Vec<f64> = both.iter().map(|[f, b]| f.mean - b.mean).collect();
         let mean: Vec<f64> = both.iter().map(|[f, b]| 0.5 * (f.mean + b.mean)).collect();
         let one_side = |side: usize| {
-            let runs: Vec<Runs> = pairs.iter().filter_map(|pair| pair[side]).collect();
-            let repeatability = runs.iter().map(|run| 4.0 * run.s);
-            Side::of(&runs, repeatability.collect())
+            let passes: Vec<Passes> = pairs.iter().filter_map(|pair| pair[side]).collect();
+            let repeatability = passes.iter().map(|pass| 4.0 * pass.s);
+            Side::of(&passes, repeatability.collect())
         };
         let bidirectional = both.iter().map(|[f, b]| {
             let sum = 2.0 * f.s + 2.0 * b.s + (f.mean - b.mean).abs();
             let [f, b] = [4.0 * f.s, 4.0 * b.s];
-            // Not a number for a single run, which `max` would hide.
+            // Not a number for a single pass, which `max` would hide.
             if sum.is_finite() {
                 sum.max(f).max(b)
             } else {
                 f64::NAN
             }
         });
-        let all: Vec<Runs> = both.iter().flatten().copied().collect();
-        let runs = pairs.iter().flatten().flatten().map(|run| run.count);
-        let runs = runs.min().unwrap_or(0);
+        let all: Vec<Passes> = both.iter().flatten().copied().collect();
+        let passes = pairs.iter().flatten().flatten().map(|pass| pass.count);
+        let passes = passes.min().unwrap_or(0);
         Self {
-            runs,
-            is_short: runs < RUNS,
+            passes,
+            is_short: passes < PASSES,
             sides: [
                 one_side(0),
                 one_side(1),
@@ -129,14 +129,14 @@ impl Positioning {
 }
 
 impl Side {
-    fn of(runs: &[Runs], repeatability: Vec<f64>) -> Option<Self> {
+    fn of(passes: &[Passes], repeatability: Vec<f64>) -> Option<Self> {
         let known = |x: &f64| x.is_finite();
-        let high = runs.iter().map(|run| run.mean + 2.0 * run.s);
-        let low = runs.iter().map(|run| run.mean - 2.0 * run.s);
+        let high = passes.iter().map(|pass| pass.mean + 2.0 * pass.s);
+        let low = passes.iter().map(|pass| pass.mean - 2.0 * pass.s);
         let all: Vec<f64> = high.chain(low).collect();
         Some(Self {
             a_um: range(all.iter().copied()).filter(|_| all.iter().all(known)),
-            e_um: range(runs.iter().map(|run| run.mean))?,
+            e_um: range(passes.iter().map(|pass| pass.mean))?,
             r_um: repeatability
                 .iter()
                 .copied()
@@ -163,19 +163,19 @@ mod tests {
         );
     }
 
-    /// Two positions, three runs a side, worked out by hand: at 0 mm from below 1, 2, 3 (mean 2, s 1), from above 4, 5, 6
+    /// Two positions, three passes a side, worked out by hand: at 0 mm from below 1, 2, 3 (mean 2, s 1), from above 4, 5, 6
     /// (mean 5, s 1); at 100 mm from below -1, 1, 3 (mean 1, s 2), from above 0, 0, 0 (mean 0, s 0).
     #[test]
     fn by_hand() {
-        let runs = |q: f64, side, values: [f64; 3]| values.map(|x| (q, side, x));
+        let passes = |q: f64, side, values: [f64; 3]| values.map(|x| (q, side, x));
         let all = [
-            runs(0.0, Forward, [1.0, 2.0, 3.0]),
-            runs(0.0, Backward, [4.0, 5.0, 6.0]),
-            runs(100.0, Forward, [-1.0, 1.0, 3.0]),
-            runs(100.0, Backward, [0.0, 0.0, 0.0]),
+            passes(0.0, Forward, [1.0, 2.0, 3.0]),
+            passes(0.0, Backward, [4.0, 5.0, 6.0]),
+            passes(100.0, Forward, [-1.0, 1.0, 3.0]),
+            passes(100.0, Backward, [0.0, 0.0, 0.0]),
         ];
         let found = Positioning::new(&all.concat());
-        assert_eq!((found.runs, found.is_short), (3, true));
+        assert_eq!((found.passes, found.is_short), (3, true));
         close(found.b_um, 3.0); // |2 - 5|, |1 - 0|
         close(found.mean_b_um, -1.0); // (-3 + 1) / 2
         close(found.m_um, 3.0); // 3.5 - 0.5
@@ -201,12 +201,12 @@ mod tests {
     }
 
     #[test]
-    fn one_run_has_no_repeatability_and_one_side_no_reversal() {
+    fn one_pass_has_no_repeatability_and_one_side_no_reversal() {
         let found = Positioning::new(&[(0.0, Forward, 1.0), (10.0, Forward, 4.0)]);
         let forward = found.sides[0].unwrap();
         assert_eq!((forward.a_um, forward.r_um), (None, None));
         close(Some(forward.e_um), 3.0);
         assert_eq!((found.sides[1], found.sides[2]), (None, None));
-        assert_eq!((found.b_um, found.m_um, found.runs), (None, None, 1));
+        assert_eq!((found.b_um, found.m_um, found.passes), (None, None, 1));
     }
 }

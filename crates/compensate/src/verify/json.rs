@@ -153,7 +153,7 @@ fn positioning(machine: &Machine, line: &[f64], found: &Positioning) -> Value {
     let [forward, backward, both] = found.sides.each_ref().map(|of| of.as_ref().map(side));
     without_nulls(json!({
         "from": at(machine, line),
-        "runs": found.runs,
+        "runs": found.passes,
         "fewer_runs_than_the_standard": found.is_short,
         "forward": forward,
         "backward": backward,

@@ -8,16 +8,16 @@ use trueaxis_compensate::Positioning;
 const POSITIONS: usize = 11;
 
 /// Cells of a row: `x̄`, `x̄ + 2 s`, `x̄ - 2 s`, `4 s`. `s² = Σ_{i<j} (x_i - x_j)² / (n (n - 1))`.
-fn row(runs: &[f64]) -> [f64; 4] {
-    let n = runs.len();
+fn row(passes: &[f64]) -> [f64; 4] {
+    let n = passes.len();
     let mut pairs = 0.0;
     for i in 0..n {
         for j in 0..i {
-            pairs += (runs[i] - runs[j]) * (runs[i] - runs[j]);
+            pairs += (passes[i] - passes[j]) * (passes[i] - passes[j]);
         }
     }
     let s = (pairs / (n * (n - 1)) as f64).sqrt();
-    let mean = runs.iter().sum::<f64>() / n as f64;
+    let mean = passes.iter().sum::<f64>() / n as f64;
     [mean, mean + 2.0 * s, mean - 2.0 * s, 4.0 * s]
 }
 
@@ -29,13 +29,13 @@ fn smallest(column: impl Iterator<Item = f64>) -> f64 {
     -largest(column.map(|x| -x))
 }
 
-/// Five to seven runs a side, in the order of a test that goes to and fro.
+/// Five to seven passes a side, in the order of a test that goes to and fro.
 #[test]
 fn quantities_are_those_of_a_spreadsheet() {
     for seed in 0..20 {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let cycles = 5 + usize::try_from(seed % 3).unwrap();
-        let mut runs = vec![[Vec::new(), Vec::new()]; POSITIONS];
+        let mut passes = vec![[Vec::new(), Vec::new()]; POSITIONS];
         let mut measured = Vec::new();
         for _ in 0..cycles {
             for (side, direction) in [Direction::Forward, Direction::Backward]
@@ -47,13 +47,13 @@ fn quantities_are_those_of_a_spreadsheet() {
                     let x = 30.0 * (k as f64 / 4.0).sin()
                         + 2.0 * side as f64
                         + 3.0 * rng.random::<f64>();
-                    runs[k][side].push(x);
+                    passes[k][side].push(x);
                     measured.push((37.3 * k as f64 - 50.0, direction, x));
                 }
             }
         }
         let found = Positioning::new(&measured);
-        let rows: Vec<[[f64; 4]; 2]> = runs.iter().map(|[f, b]| [row(f), row(b)]).collect();
+        let rows: Vec<[[f64; 4]; 2]> = passes.iter().map(|[f, b]| [row(f), row(b)]).collect();
         let check = |name: &str, found: f64, expected: f64| {
             assert!(
                 (found - expected).abs() < 1e-9,
@@ -102,6 +102,6 @@ fn quantities_are_those_of_a_spreadsheet() {
             found.m_um.unwrap(),
             largest(means()) - smallest(means()),
         );
-        assert_eq!((found.runs, found.is_short), (cycles, false));
+        assert_eq!((found.passes, found.is_short), (cycles, false));
     }
 }

@@ -46,7 +46,7 @@ fn reading_um(
     mm / MICROMETRE
 }
 
-/// Lines of X, Y, Z at T, five runs a side, and a ball bar in the plane of X and Y: readings of the true three-axis machine
+/// Lines of X, Y, Z at T, five passes a side, and a ball bar in the plane of X and Y: readings of the true three-axis machine
 /// with noise of `u_um`, zeros and a set-up of their own, compensated by a calibration or not.
 fn measured(
     truth: &TrueMachine,
@@ -221,7 +221,7 @@ fn the_bar_to_first_order_and_exactly() {
     let [g, gb, h] = [circular.g_forward_um, circular.g_both_um, circular.h_um].map(Option::unwrap);
     assert!(g > 5.0 && gb >= g - 1.0 && h < 2.0, "{circular:?}");
     let (_, line) = &verified[0].positioning[0];
-    assert_eq!((line.runs, line.is_short), (5, false));
+    assert_eq!((line.passes, line.is_short), (5, false));
     // Noise of 0.1 µm alone: R is some 4 s, and there is no lost motion.
     assert!(line.b_um.unwrap() < 0.3 && line.sides[2].unwrap().r_um.unwrap() < 1.5);
 }
