@@ -16,6 +16,7 @@ use crate::identify::context::Context;
 use crate::identify::identify_axes::{Identified, identify_axes};
 use crate::identify::plausibility::{check_motion, check_noise};
 use crate::identify::settle_frame::mean_targets;
+use crate::matrix_size::check_size;
 use crate::propagate::dependence::Dependence;
 use crate::propagate::factored_covariance::factored_covariance;
 use crate::propagate::propagation::Propagation;
@@ -29,7 +30,6 @@ use crate::report::uncertainty::statement;
 use crate::result::calibration::{Calibration, TargetResult, Traceability};
 use crate::result::numbered::results;
 use crate::settings::{ReferencePoint, Settings};
-use crate::table_size::check_size;
 
 /// Finds all component and location errors of the axes that a campaign measured, in the [reference
 /// frame](crate#the-reference-frame).
@@ -196,9 +196,9 @@ fn check_covariance(machine: &Machine, data: &[AxisData], stations: usize) -> Re
         6 * data.nodes.len() + machine.axes()[data.axis].location_components().len()
     };
     let outputs = data.iter().map(of_axis).sum::<usize>() + 4 * stations;
-    let table = || format!("the covariance of all {outputs} results");
+    let matrix = || format!("the covariance of all {outputs} results");
     let instead = "calibrate without it, or calibrate the runs of fewer axes at a time";
-    check_size(table, [outputs; 2], instead)
+    check_size(matrix, [outputs; 2], instead)
 }
 
 /// The measured poses (datum from home).

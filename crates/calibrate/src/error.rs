@@ -59,11 +59,11 @@ pub enum Error {
         /// Which mistake fits, where it was made, and what to change.
         explanation: String,
     },
-    /// A table that would not fit.
-    #[error("{table} takes {gib:.1} GiB, at most {limit_gib} GiB are made; {instead}")]
+    /// A matrix that would not fit.
+    #[error("{matrix} takes {gib:.1} GiB, at most {limit_gib} GiB are made; {instead}")]
     TooLarge {
         /// What it holds.
-        table: String,
+        matrix: String,
         /// Its size, GiB.
         gib: f64,
         /// Largest size, GiB.

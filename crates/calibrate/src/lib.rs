@@ -63,12 +63,12 @@ mod explain;
 mod files;
 mod identify;
 mod in_order;
+mod matrix_size;
 mod propagate;
 mod replay;
 mod report;
 mod result;
 mod settings;
-mod table_size;
 
 pub use calibrate::{calibrate, calibrate_with_adjustment};
 pub use error::Error;

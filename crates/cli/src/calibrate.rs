@@ -22,7 +22,7 @@ const MISFIT_LEVEL: f64 = 1e-3;
 const COVARIANCE_INDEX: &str = "covariance.json";
 const RELIABILITY_INDEX: &str = "reliability.json";
 
-pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
+pub(crate) fn execute(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     let campaign = read(&args.campaign)?;
     let settings = Settings {
         covariance: args.covariance,
@@ -99,7 +99,7 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<Exit> {
         LengthsReliability::MATRIX_FILE,
         RELIABILITY_INDEX,
     ];
-    notices.extend(results.of_an_earlier_run(&matrices, "is of an earlier calibration"));
+    notices.extend(results.left_from_before(&matrices, "is of an earlier calibration"));
 
     say_all(lines.iter().chain(&checked));
     notice_all(&notices);

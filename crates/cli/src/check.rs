@@ -15,7 +15,7 @@ use crate::talk::{notice_all, say, say_all};
 mod coverage;
 mod json;
 
-pub(crate) fn run(args: &CheckArgs) -> anyhow::Result<Exit> {
+pub(crate) fn execute(args: &CheckArgs) -> anyhow::Result<Exit> {
     let campaign = read(&args.campaign)?;
     describe(&campaign);
     let mut notices = campaign.notices.clone();

@@ -17,7 +17,7 @@ use crate::traceability::{of_calibration, traced};
 /// Decimals of µm, ″ and `E_n`.
 const DECIMALS: i32 = 4;
 
-pub(crate) fn run(args: &CompareArgs) -> anyhow::Result<Exit> {
+pub(crate) fn execute(args: &CompareArgs) -> anyhow::Result<Exit> {
     let first = CalibratedMachine::read(&args.first)?;
     let second = CalibratedMachine::read(&args.second)?;
     check_same_machine(first.machine(), second.machine())

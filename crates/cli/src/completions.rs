@@ -6,7 +6,7 @@ use crate::args::{Args, CompletionsArgs};
 use crate::exit::Exit;
 use crate::output;
 
-pub(crate) fn run(args: &CompletionsArgs) -> anyhow::Result<Exit> {
+pub(crate) fn execute(args: &CompletionsArgs) -> anyhow::Result<Exit> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Args::command(), "trueaxis", &mut script);
     output::print(&String::from_utf8_lossy(&script))?;

@@ -25,7 +25,7 @@ const EFFECTS: &str = "effects.json";
 /// The campaign with it, for `simulate`.
 const REPLAY: &str = "replay.json";
 
-pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
+pub(crate) fn execute(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
     let campaign = read(&args.campaign)?;
     let mut inputs = checksums(&args.campaign)?;
     let mut mistakes = Vec::new();
@@ -65,7 +65,7 @@ pub(crate) fn run(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
     if !args.no_report {
         results.report()?;
     }
-    notices.extend(results.of_an_earlier_run(&[EFFECTS, REPLAY], "is of an earlier diagnosis"));
+    notices.extend(results.left_from_before(&[EFFECTS, REPLAY], "is of an earlier diagnosis"));
 
     say_all(story::lines(&diagnosis));
     notice_all(&notices);

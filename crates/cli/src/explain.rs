@@ -33,7 +33,7 @@ pub(crate) fn help(code: &str) -> Option<&'static str> {
     entry.map(|entry| entry.text)
 }
 
-pub(crate) fn run(args: &ExplainArgs) -> anyhow::Result<Exit> {
+pub(crate) fn execute(args: &ExplainArgs) -> anyhow::Result<Exit> {
     let Some(code) = &args.code else {
         let list = entries().map(|entry| format!("{}  {}\n", entry.code, entry.title));
         output::print(&list.collect::<String>())?;

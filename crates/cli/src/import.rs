@@ -15,9 +15,9 @@ use crate::talk::{notice_all, say, say_all};
 /// Rows that the preview shows.
 const PREVIEW_ROWS: usize = 5;
 
-pub(crate) fn run(args: &ImportArgs) -> anyhow::Result<Exit> {
+pub(crate) fn execute(args: &ImportArgs) -> anyhow::Result<Exit> {
     match &args.what {
-        ImportWhat::Calibration(args) => calibration::run(args),
+        ImportWhat::Calibration(args) => calibration::execute(args),
         ImportWhat::Lengths(args) => table(args, Kind::Lengths, "lengths.csv"),
         ImportWhat::Points(args) => table(args, Kind::Points, "points.csv"),
     }

@@ -9,7 +9,7 @@ use crate::exit::Exit;
 use crate::output;
 use crate::talk::say;
 
-pub(crate) fn run(args: &InitArgs) -> anyhow::Result<Exit> {
+pub(crate) fn execute(args: &InitArgs) -> anyhow::Result<Exit> {
     let plan = match args.machine_type {
         MachineType::Fxyz => plan::FXYZ,
         MachineType::FiveAxis => plan::FIVE_AXIS,

@@ -47,27 +47,27 @@ fn main() -> ExitCode {
     if args.quiet {
         talk::be_quiet();
     }
-    let run = || match &args.verb {
-        Verb::Check(args) => check::run(args),
-        Verb::Calibrate(args) => calibrate::run(args),
-        Verb::Compare(args) => compare::run(args),
-        Verb::Completions(args) => completions::run(args),
-        Verb::Diagnose(args) => diagnose::run(args),
-        Verb::Explain(args) => explain::run(args),
-        Verb::Export(args) => export::run(args),
-        Verb::Import(args) => import::run(args),
-        Verb::Init(args) => init::run(args),
-        Verb::Montecarlo(args) => montecarlo::run(args),
-        Verb::Predict(args) => predict::run(args),
-        Verb::Report(args) => report::run(args),
-        Verb::Schema(args) => schema::run(args),
-        Verb::Simulate(args) => simulate::run(args),
-        Verb::Table1(args) => table1::run(args),
-        Verb::Verify(args) => verify::run(args),
-        Verb::Volume(args) => volume::run(args),
+    let verb = || match &args.verb {
+        Verb::Check(args) => check::execute(args),
+        Verb::Calibrate(args) => calibrate::execute(args),
+        Verb::Compare(args) => compare::execute(args),
+        Verb::Completions(args) => completions::execute(args),
+        Verb::Diagnose(args) => diagnose::execute(args),
+        Verb::Explain(args) => explain::execute(args),
+        Verb::Export(args) => export::execute(args),
+        Verb::Import(args) => import::execute(args),
+        Verb::Init(args) => init::execute(args),
+        Verb::Montecarlo(args) => montecarlo::execute(args),
+        Verb::Predict(args) => predict::execute(args),
+        Verb::Report(args) => report::execute(args),
+        Verb::Schema(args) => schema::execute(args),
+        Verb::Simulate(args) => simulate::execute(args),
+        Verb::Table1(args) => table1::execute(args),
+        Verb::Verify(args) => verify::execute(args),
+        Verb::Volume(args) => volume::execute(args),
     };
     // A panic is a bug of ours: the default hook says where, the exit code says so.
-    let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
+    let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(verb));
     let exit = match outcome {
         Ok(Ok(exit)) => exit,
         Ok(Err(error)) => failed(&error, Exit::of(&error)),

@@ -26,7 +26,7 @@ const MOST_TRIALS: usize = 1_000_000;
 /// Significant digits of u to which the first-order result is compared.
 const DIGITS: u32 = 1;
 
-pub(crate) fn run(args: &MontecarloArgs) -> anyhow::Result<Exit> {
+pub(crate) fn execute(args: &MontecarloArgs) -> anyhow::Result<Exit> {
     let mut campaign = read(&args.campaign)?;
     let systematic = without_systematic_parts(&mut campaign);
     let campaign = at_one_temperature(&campaign);
@@ -168,11 +168,11 @@ fn lines(propagation: &Propagation, compared: &[Compared<'_>]) -> Vec<String> {
         let Output::LocationError { .. } = one.result.output else {
             continue;
         };
-        let (unit, scale) = match one.result.output.unit() {
+        let (unit, per_unit) = match one.result.output.unit() {
             Unit::Arcsec => ("″ ", 1.0),
             _ => ("µm", 1e3),
         };
-        let of = |x: f64| format!("{:>9.3} {unit}", x * scale);
+        let of = |x: f64| format!("{:>9.3} {unit}", x * per_unit);
         lines.push(format!(
             "  {:<22}{}{}{}   {} …{}",
             one.result.output.name(),

@@ -99,8 +99,8 @@ impl Results {
         Ok(())
     }
 
-    /// Notices of the files that are there, but of an earlier run: they would be taken for those of this one.
-    pub(crate) fn of_an_earlier_run(&self, names: &[&str], says: &str) -> Vec<String> {
+    /// Notices of the files that are there from before: they would be taken for those of this one.
+    pub(crate) fn left_from_before(&self, names: &[&str], says: &str) -> Vec<String> {
         let paths = names.iter().map(|name| self.folder.join(name));
         let earlier = paths.filter(|path| !self.written.contains(path) && path.exists());
         earlier

@@ -11,7 +11,7 @@ use crate::exit::Exit;
 use crate::summary::expanded;
 use crate::talk::{notice, say_all};
 
-pub(crate) fn run(args: &PredictArgs) -> anyhow::Result<Exit> {
+pub(crate) fn execute(args: &PredictArgs) -> anyhow::Result<Exit> {
     let machine = CalibratedMachine::read(&args.calibration)?;
     let positions = read_positions(&args.positions, machine.machine())?;
     let default_mm = machine.reference_point_mm();

@@ -10,7 +10,7 @@ use crate::given_file::read_text;
 use crate::output;
 use crate::talk::{notice, say};
 
-pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<Exit> {
+pub(crate) fn execute(args: &ReportArgs) -> anyhow::Result<Exit> {
     let wanted = "--template wants a template of a report";
     let template = args.template.as_deref();
     let template = template.map(|file| read_text(file, wanted)).transpose()?;

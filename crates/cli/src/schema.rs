@@ -12,7 +12,7 @@ use crate::args::{SchemaArgs, SchemaName};
 use crate::exit::Exit;
 use crate::output;
 
-pub(crate) fn run(args: &SchemaArgs) -> anyhow::Result<Exit> {
+pub(crate) fn execute(args: &SchemaArgs) -> anyhow::Result<Exit> {
     output::print(&text(args.name)?)?;
     Ok(Exit::Good)
 }

@@ -10,7 +10,7 @@ use crate::output;
 use crate::summary::named;
 use crate::talk::{notice_all, say};
 
-pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<Exit> {
+pub(crate) fn execute(args: &SimulateArgs) -> anyhow::Result<Exit> {
     let scenario = Scenario::read(&args.scenario)?;
     let simulated =
         simulate(&scenario, args.seed).with_context(|| args.scenario.display().to_string())?;

@@ -106,8 +106,8 @@ fn location_errors(calibration: &Calibration) -> Vec<String> {
         format!("{:<24}{:>12}{:>12}", "location errors", "value", "U"),
     ];
     let row = |name: &str, value: f64, expanded: f64, is_angular: bool| {
-        let (unit, scale) = unit(is_angular);
-        let (value, expanded) = (value / scale, expanded / scale);
+        let (unit, size) = unit(is_angular);
+        let (value, expanded) = (value / size, expanded / size);
         format!("  {name:<22}{value:>9.2} {unit}{expanded:>9.2} {unit}")
     };
     for axis in &calibration.axes {
@@ -187,7 +187,7 @@ fn component_errors(calibration: &Calibration) -> Vec<String> {
         let mut uncertainties = format!("  {:<22}", "  largest U");
         for component in Component::ALL {
             let c = component.index();
-            let (_, scale) = unit(component.is_angular());
+            let (_, size) = unit(component.is_angular());
             let values_of = axis.nodes.iter().map(|n| n.error.to_vector()[c].abs());
             let value = values_of.fold(0.0, f64::max);
             let expanded = axis.nodes.iter().map(|n| expanded(n.u[c], n.dof[c]));
@@ -197,7 +197,7 @@ fn component_errors(calibration: &Calibration) -> Vec<String> {
             for (line, x) in [(&mut values, value), (&mut uncertainties, expanded)] {
                 line.push_str(&match is_taken {
                     true => format!(" {:>7}", "–"),
-                    false => format!(" {:>7.2}", x / scale),
+                    false => format!(" {:>7.2}", x / size),
                 });
             }
         }
@@ -231,7 +231,7 @@ fn reference_points(calibration: &Calibration) -> String {
 
 /// `X  0 … 440 mm`.
 fn range(axis: &AxisResult) -> String {
-    let scale = |position: f64| match axis.kind {
+    let place = |position: f64| match axis.kind {
         AxisKind::Linear => format!("{position}"),
         AxisKind::Rotary => format!("{:.4}", position.to_degrees())
             .trim_end_matches('0')
@@ -244,8 +244,8 @@ fn range(axis: &AxisResult) -> String {
             format!(
                 "{}  {} … {}{unit}",
                 axis.name,
-                scale(first.position),
-                scale(last.position)
+                place(first.position),
+                place(last.position)
             )
         }
         _ => axis.name.clone(),

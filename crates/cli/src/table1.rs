@@ -18,7 +18,7 @@ use crate::talk::say_all;
 /// Figures closer than this to the printed ones repeat them.
 const CLOSE: f64 = 0.12;
 
-pub(crate) fn run(args: &Table1Args) -> anyhow::Result<Exit> {
+pub(crate) fn execute(args: &Table1Args) -> anyhow::Result<Exit> {
     let table = Table::new(args.trials as usize, args.seed)?;
     say_all(table.lines());
     if args.json {

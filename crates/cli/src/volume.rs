@@ -16,7 +16,7 @@ use crate::traceability::{of_calibration, traced};
 /// Shares that are listed.
 const MOST_LISTED: usize = 6;
 
-pub(crate) fn run(args: &VolumeArgs) -> anyhow::Result<Exit> {
+pub(crate) fn execute(args: &VolumeArgs) -> anyhow::Result<Exit> {
     let machine = CalibratedMachine::read(&args.calibration)?;
     let volume = machine.volume(&VolumeSettings {
         points: args.points.into(),

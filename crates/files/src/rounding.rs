@@ -2,8 +2,8 @@
 
 /// Rounded to decimals; no negative zero.
 pub fn round(value: f64, decimals: i32) -> f64 {
-    let scale = 10_f64.powi(decimals);
-    (value * scale).round() / scale + 0.0
+    let power = 10_f64.powi(decimals);
+    (value * power).round() / power + 0.0
 }
 
 /// A point as people read it, to a tenth of a micrometre: `(140.783, 0, 12.5) mm`.

@@ -112,8 +112,8 @@ mod tests {
     /// second order (and is there, so that the test does not compare a thing with itself).
     #[test]
     fn together_they_agree_to_first_order() {
-        for scale in [1e-3, 1e-4, 1e-5] {
-            let [c0y, b0z, a0z] = [3.0 * scale, -2.0 * scale, 4.0 * scale];
+        for size in [1e-3, 1e-4, 1e-5] {
+            let [c0y, b0z, a0z] = [3.0 * size, -2.0 * size, 4.0 * size];
             let y = turned(Vector3::y(), Vector3::new(0.0, 0.0, c0y));
             let z = turned(Vector3::z(), Vector3::new(a0z, b0z, 0.0));
             assert!((squareness(Vector3::y_axis(), y).z - c0y).abs() < 1e-15);
@@ -123,11 +123,11 @@ mod tests {
             let frame = UnitQuaternion::from_euler_angles(0.4, 1.3, -0.7);
             let found = paper_squareness(frame * Vector3::x_axis(), frame * y, frame * z).unwrap();
             assert!((found.theta_xy_rad + c0y).abs() < 1e-15);
-            assert!((found.theta_xz_rad - b0z).abs() < 100.0 * scale.powi(3) + 1e-15);
+            assert!((found.theta_xz_rad - b0z).abs() < 100.0 * size.powi(3) + 1e-15);
             // cos β = y·z = -A0Z - C0Y B0Z + third order.
             let second_order = found.theta_yz_rad + a0z;
-            assert!((second_order + c0y * b0z).abs() < 100.0 * scale.powi(3) + 1e-15);
-            assert!(second_order.abs() > scale * scale);
+            assert!((second_order + c0y * b0z).abs() < 100.0 * size.powi(3) + 1e-15);
+            assert!(second_order.abs() > size * size);
         }
     }
 

@@ -18,9 +18,9 @@ pub fn best_fit(points: &[Point3<f64>], to: &[Point3<f64>]) -> Isometry3<f64> {
     for (p, n) in points.iter().zip(to) {
         products += (p - from_centre) * (n - to_centre).transpose();
     }
-    let scale = products.amax();
-    if scale > 0.0 {
-        products /= scale;
+    let largest = products.amax();
+    if largest > 0.0 {
+        products /= largest;
     }
     let svd = products.try_svd(true, true, f64::EPSILON, MOST_SWEEPS);
     let turn = match svd.map(|svd| (svd.u, svd.v_t)) {

@@ -246,8 +246,8 @@ mod tests {
                 LocationError::default()
             }
             fn motion(&self, axis: usize, position: f64) -> MotionError {
-                let scale = if axis == 0 { 1e-5 } else { 0.0 };
-                let (translation, rotation) = (Vector3::x() * scale, Vector3::y() * (1e-3 * scale));
+                let size = if axis == 0 { 1e-5 } else { 0.0 };
+                let (translation, rotation) = (Vector3::x() * size, Vector3::y() * (1e-3 * size));
                 MotionError::new(translation * position, rotation * position)
             }
         }

@@ -1,7 +1,7 @@
 //! Eight blocks of the same shape, linearised and eliminated side by side.
 //!
-//! A block's whitened rows are `[A | B | r]`. Few of the shared unknowns are in a row: a run of
-//! four that stand side by side (a station), and columns behind all runs that any row may use.
+//! A block's whitened rows are `[A | B | r]`. Few of the shared unknowns are in a row: a quad of
+//! four that stand side by side (a station), and columns behind all quads that any row may use.
 //! With the Cholesky factor `AᵀA = RᵀR` and what ties the blocks to the rest,
 //!
 //! ```text
@@ -17,10 +17,10 @@
 mod back_substitution;
 mod elimination;
 
-use crate::lanes::{LANES, Lanes, add_times, lanes_only, scale, zeros};
+use crate::lanes::{LANES, Lanes, add_times, lanes_only, multiply, zeros};
 
 /// Shared unknowns that stand side by side in a row.
-pub(crate) const RUN: usize = 4;
+pub(crate) const QUAD: usize = 4;
 
 /// What is left of a column after the columns before it, relative to its length, below which an
 /// unknown counts as free: its uncertainty would be a million times that of a direct reading.
@@ -30,9 +30,9 @@ pub const BLOCK_RANK_TOL: f64 = 1e-6;
 #[derive(Debug, Clone, Default)]
 pub struct BlockBatch {
     shape: Shape,
-    /// The rows `[A | run | others | r]`, one after the other.
+    /// The rows `[A | quad | others | r]`, one after the other.
     rows: Vec<Lanes>,
-    /// Where the run of each row starts.
+    /// Where the quad of each row starts.
     starts: Vec<usize>,
     /// Columns of `H`, contiguous.
     datum: Vec<Lanes>,
@@ -49,8 +49,8 @@ pub struct Shape {
     pub rows: usize,
     /// Unknowns of each block.
     pub unknowns: usize,
-    /// Shared unknowns in runs, an even number: they come first, and each run starts at an even one.
-    pub in_runs: usize,
+    /// Shared unknowns in quads, an even number: they come first, and each quad starts at an even one.
+    pub in_quads: usize,
     /// All shared unknowns.
     pub shared: usize,
     /// Constraints of the datum.
@@ -58,16 +58,16 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Where the residual is in a row: behind own unknowns, a run, and the unknowns behind the runs.
+    /// Where the residual is in a row: behind own unknowns, a quad, and the unknowns behind the quads.
     #[inline(always)]
     fn residual(&self) -> usize {
-        self.unknowns + RUN + self.shared - self.in_runs
+        self.unknowns + QUAD + self.shared - self.in_quads
     }
 
-    /// Elements of a row: one of zero at its end where those behind the run are odd, since their products are made in pairs.
+    /// Elements of a row: one of zero at its end where those behind the quad are odd, since their products are made in pairs.
     #[inline(always)]
     fn row_len(&self) -> usize {
-        self.unknowns + RUN + (self.shared - self.in_runs + 1).next_multiple_of(2)
+        self.unknowns + QUAD + (self.shared - self.in_quads + 1).next_multiple_of(2)
     }
 
     /// Elements of a row of `[R | W | c | W_H]`, those behind `R` in pairs.
@@ -82,11 +82,11 @@ impl Shape {
 pub struct RowMut<'a> {
     /// Derivatives of the observation by the blocks' own unknowns.
     pub own: &'a mut [Lanes],
-    /// The first shared unknown of the run.
+    /// The first shared unknown of the quad.
     pub start: &'a mut usize,
-    /// Derivatives by those of the run.
-    pub run: &'a mut [Lanes],
-    /// Derivatives by the shared unknowns behind the runs.
+    /// Derivatives by those of the quad.
+    pub quad: &'a mut [Lanes],
+    /// Derivatives by the shared unknowns behind the quads.
     pub others: &'a mut [Lanes],
     /// Observed minus computed.
     pub residual: &'a mut Lanes,
@@ -113,13 +113,13 @@ impl BlockBatch {
     pub fn row_mut(&mut self, row: usize) -> RowMut<'_> {
         let length = self.shape.row_len();
         let (own, rest) = self.rows[row * length..][..length].split_at_mut(self.shape.unknowns);
-        let (run, rest) = rest.split_at_mut(RUN);
-        let (others, rest) = rest.split_at_mut(self.shape.shared - self.shape.in_runs);
+        let (quad, rest) = rest.split_at_mut(QUAD);
+        let (others, rest) = rest.split_at_mut(self.shape.shared - self.shape.in_quads);
         rest[1..].fill(Lanes::ZERO);
         RowMut {
             own,
             start: &mut self.starts[row],
-            run,
+            quad,
             others,
             residual: &mut rest[0],
         }
@@ -146,7 +146,7 @@ impl BlockBatch {
             let weights = &triangle[i * (i + 1) / 2..][..=i];
             let (above, row) = rows.split_at_mut(i * length);
             let row = &mut row[..length];
-            scale(row, weights[i]);
+            multiply(row, weights[i]);
             for (above, w) in above.chunks_exact(length).zip(weights) {
                 add_times(row, *w, above);
             }
@@ -174,12 +174,12 @@ impl BlockBatch {
     /// Writes the shared unknowns' elements of a row to the front of `place`, which is zero.
     #[inline(always)]
     pub fn copy_shared_row(&self, row: usize, place: &mut [Lanes]) {
-        let Shape { in_runs, .. } = self.shape;
-        let (run, rest) = self.row(row)[self.shape.unknowns..self.shape.residual()].split_at(RUN);
-        if in_runs > 0 {
-            place[self.starts[row]..][..RUN].copy_from_slice(run);
+        let Shape { in_quads, .. } = self.shape;
+        let (quad, rest) = self.row(row)[self.shape.unknowns..self.shape.residual()].split_at(QUAD);
+        if in_quads > 0 {
+            place[self.starts[row]..][..QUAD].copy_from_slice(quad);
         }
-        place[in_runs..][..rest.len()].copy_from_slice(rest);
+        place[in_quads..][..rest.len()].copy_from_slice(rest);
     }
 
     /// Column `k` of `H`, to be filled.

@@ -36,10 +36,10 @@ impl Reduced {
     pub fn shortest_correction(&self, free_motions: &[Vec<f64>]) -> Result<Correction, Error> {
         debug_assert_eq!(self.datum(), 0, "constraints");
         let n = self.shared();
-        let (scale, mut matrix) = self.scaled(n)?;
-        let motions = orthonormal(free_motions, &scale);
+        let (units, mut matrix) = self.in_units(n)?;
+        let motions = orthonormal(free_motions, &units);
         let right: Vec<f64> = (0..n)
-            .map(|i| scale[i] * self.at(i, self.width()))
+            .map(|i| units[i] * self.at(i, self.width()))
             .collect();
         let solved = in_widest_registers(
             #[inline(always)]
@@ -58,13 +58,13 @@ impl Reduced {
             .as_ref()
             .is_some_and(|solved| self.rules_out_free(solved.trace_of_inverse))
         {
-            self.check_rank(&scale, &motions, motions.len())?;
+            self.check_rank(&units, &motions, motions.len())?;
         }
         let solved = solved.ok_or(Error::NotFinite {
             what: "the inverse of the reduced system",
         })?;
         let decrease = solved.square + self.decrease_by_blocks();
-        let scaled = solved.solution.iter().zip(&scale);
+        let scaled = solved.solution.iter().zip(&units);
         let shared = finite(scaled.map(|(x, s)| x * s).collect())?;
         Ok(Correction { shared, decrease })
     }

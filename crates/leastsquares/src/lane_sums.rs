@@ -1,6 +1,6 @@
 //! The sums of the reduced system, one for each lane of the batches that are added.
 
-use crate::block_batch::RUN;
+use crate::block_batch::QUAD;
 use crate::lanes::{Lanes, lanes_only, zeros};
 use crate::reduced::Reduced;
 
@@ -67,7 +67,7 @@ impl LaneSums {
         reduced
     }
 
-    /// Adds the products of some whitened rows `[run | others | r]`, whose run of shared unknowns, if there are runs,
+    /// Adds the products of some whitened rows `[quad | others | r]`, whose quad of shared unknowns, if there are quads,
     /// begins at `start`, and the others at `first`.
     #[inline(always)]
     pub(crate) fn add_rows<const N: usize>(
@@ -75,9 +75,9 @@ impl LaneSums {
         (start, first): (Option<usize>, usize),
         rows: [&[Lanes]; N],
     ) {
-        const OF_RUN: usize = RUN / 2;
-        let residual = self.shared - first + RUN;
-        let pair_at = |p: usize| match p.checked_sub(OF_RUN) {
+        const OF_QUAD: usize = QUAD / 2;
+        let residual = self.shared - first + QUAD;
+        let pair_at = |p: usize| match p.checked_sub(OF_QUAD) {
             None => start.unwrap_or(0) / 2 + p,
             Some(behind) => first / 2 + behind,
         };
@@ -85,7 +85,7 @@ impl LaneSums {
         // That of the residuals would drown what the unknowns take off it.
         let (tile, k) = self.of_residual();
         let apart = self.products[tile][k];
-        for p in start.map_or(OF_RUN, |_| 0)..count {
+        for p in start.map_or(OF_QUAD, |_| 0)..count {
             let left = pair_at(p);
             let of_left = self.row(left);
             for q in p..count {

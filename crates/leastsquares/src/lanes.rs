@@ -178,7 +178,7 @@ pub(crate) fn add_several_times<const N: usize>(
 
 /// `x <- factor x`, element by element.
 #[inline(always)]
-pub(crate) fn scale(x: &mut [Lanes], factor: Lanes) {
+pub(crate) fn multiply(x: &mut [Lanes], factor: Lanes) {
     let (fours, rest) = x.as_chunks_mut::<FOUR>();
     for [a, b, c, d] in fours {
         lanes_only();

@@ -22,16 +22,16 @@
 //! ```
 //! use trueaxis_leastsquares::{BlockBatch, LaneSums, Lanes, Shape};
 //!
-//! // Two scales with unknown zero (shared) weigh two masses (blocks, one in each lane); mass 0 is
+//! // Two balances with unknown zero (shared) weigh two masses (blocks, one in each lane); mass 0 is
 //! // held at 1.
 //! let mut masses = BlockBatch::default();
-//! masses.reset(Shape { rows: 2, unknowns: 1, in_runs: 0, shared: 2, datum: 1 });
+//! masses.reset(Shape { rows: 2, unknowns: 1, in_quads: 0, shared: 2, datum: 1 });
 //! for (row, readings) in [[1.5, 2.5], [3.0, 4.0]].into_iter().enumerate() {
-//!     let row_of_scale = masses.row_mut(row);
-//!     *row_of_scale.residual = Lanes::from_fn(|mass| readings[mass % 2]);
-//!     row_of_scale.own.fill(Lanes::splat(1.0));
-//!     row_of_scale.others.fill(Lanes::ZERO);
-//!     row_of_scale.others[row] = Lanes::splat(1.0);
+//!     let row_of_balance = masses.row_mut(row);
+//!     *row_of_balance.residual = Lanes::from_fn(|mass| readings[mass % 2]);
+//!     row_of_balance.own.fill(Lanes::splat(1.0));
+//!     row_of_balance.others.fill(Lanes::ZERO);
+//!     row_of_balance.others[row] = Lanes::splat(1.0);
 //! }
 //! masses.datum_mut(0)[0].0[0] = 1.0;
 //! masses.closure_mut()[0].0[0] = 1.0;

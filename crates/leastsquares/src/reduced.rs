@@ -136,7 +136,7 @@ impl Reduced {
         free_motions: impl FnOnce() -> Vec<Vec<f64>>,
     ) -> Result<ReducedSolution, Error> {
         let width = self.width();
-        let (scale, upper) = self.scaled(width)?;
+        let (units, upper) = self.in_units(width)?;
         // The rows of the upper triangle are the columns of the lower one.
         let mut matrix = DMatrix::from_vec(width, width, upper);
         matrix.fill_upper_triangle_with_lower_triangle();
@@ -146,15 +146,15 @@ impl Reduced {
             .as_ref()
             .is_some_and(|inverse| self.rules_out_free(inverse.norm()))
         {
-            let motions = orthonormal(&free_motions(), &scale);
-            self.check_rank(&scale, &motions, self.datum)?;
+            let motions = orthonormal(&free_motions(), &units);
+            self.check_rank(&units, &motions, self.datum)?;
         }
         let inverse = inverse.ok_or(Error::NotFinite {
             what: "the inverse of the reduced system",
         })?;
-        let scale = DVector::from_vec(scale);
+        let units = DVector::from_vec(units);
         let inverse = 0.5 * (&inverse + inverse.transpose());
-        let inverse = inverse.component_mul(&(&scale * scale.transpose()));
+        let inverse = inverse.component_mul(&(&units * units.transpose()));
         let right = DVector::from_fn(width, |i, _| self.at(i, width));
         let unknowns = finite((&inverse * right).data.into())?;
         Ok(ReducedSolution {
@@ -180,14 +180,14 @@ impl Reduced {
     }
 
     /// The first `n` rows and columns of the matrix with unit diagonal, which makes unknowns of
-    /// different units comparable, and the scales for it; of the matrix the upper triangle.
-    pub(crate) fn scaled(&self, n: usize) -> Result<(Vec<f64>, Vec<f64>), Error> {
+    /// different units comparable, and the units for it; of the matrix the upper triangle.
+    pub(crate) fn in_units(&self, n: usize) -> Result<(Vec<f64>, Vec<f64>), Error> {
         if !self.matrix.iter().all(|x| x.is_finite()) {
             return Err(Error::NotFinite {
                 what: "the reduced system",
             });
         }
-        let scale: Vec<f64> = (0..n)
+        let units: Vec<f64> = (0..n)
             .map(|i| match self.at(i, i).abs().sqrt() {
                 s if s > 0.0 => 1.0 / s,
                 _ => 1.0,
@@ -196,14 +196,14 @@ impl Reduced {
         let mut matrix = vec![0.0; n * n];
         let rows = self.matrix.chunks_exact(self.width() + 1);
         for ((i, row), scaled) in rows.enumerate().zip(matrix.chunks_exact_mut(n.max(1))) {
-            for ((x, m), s) in scaled[i..].iter_mut().zip(&row[i..]).zip(&scale[i..]) {
-                *x = scale[i] * m * s;
+            for ((x, m), s) in scaled[i..].iter_mut().zip(&row[i..]).zip(&units[i..]) {
+                *x = units[i] * m * s;
             }
         }
-        Ok((scale, matrix))
+        Ok((units, matrix))
     }
 
-    /// Whether the inverse of the scaled matrix, of which no eigenvalue is above `largest`, says that
+    /// Whether the inverse of that matrix, of which no eigenvalue is above `largest`, says that
     /// nothing is free: a free unit vector that meets all constraints is taken to less than the limit,
     /// so that the inverse has an eigenvalue of at least the limit's reciprocal.
     pub(crate) fn rules_out_free(&self, largest: f64) -> bool {
@@ -215,12 +215,12 @@ impl Reduced {
     /// an orthonormal basis, are those that may be.
     pub(crate) fn check_rank(
         &self,
-        scale: &[f64],
+        units: &[f64],
         motions: &[Vec<f64>],
         expected: usize,
     ) -> Result<(), Error> {
         let scaled = DMatrix::from_fn(self.shared, self.shared, |i, j| {
-            scale[i] * self.at(i, j) * scale[j]
+            units[i] * self.at(i, j) * units[j]
         });
         let eigen = symmetric_eigen(scaled)?;
         let (values, vectors) = (eigen.eigenvalues, eigen.eigenvectors);
@@ -262,10 +262,10 @@ impl Reduced {
 const DEPENDENT_MOTION: f64 = 1e-9;
 
 /// An orthonormal basis of motions, in units in which the matrix has a unit diagonal.
-pub(crate) fn orthonormal(motions: &[Vec<f64>], scale: &[f64]) -> Vec<Vec<f64>> {
+pub(crate) fn orthonormal(motions: &[Vec<f64>], units: &[f64]) -> Vec<Vec<f64>> {
     let mut basis: Vec<Vec<f64>> = Vec::with_capacity(motions.len());
     for motion in motions {
-        let mut vector: Vec<f64> = motion.iter().zip(scale).map(|(m, s)| m / s).collect();
+        let mut vector: Vec<f64> = motion.iter().zip(units).map(|(m, s)| m / s).collect();
         let before = dot(&vector, &vector).sqrt();
         // Once more takes away what rounding has left of the others.
         for _ in 0..2 {

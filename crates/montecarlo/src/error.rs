@@ -1,6 +1,6 @@
 //! Why a propagation or its comparison cannot be made.
 
-/// A propagation that cannot be run as asked, or a trial that failed.
+/// A propagation that cannot be made as asked, or a trial that failed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The coverage probability is not between 0 and 1.

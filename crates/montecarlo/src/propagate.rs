@@ -38,12 +38,12 @@ impl Propagation {
     /// When there is no such output.
     pub fn correlation(&self, output: usize, other: usize) -> f64 {
         let (a, b) = (&self.outputs[output], &self.outputs[other]);
-        let scale = a.u * b.u * (self.trials - 1) as f64;
-        if scale < f64::MIN_POSITIVE {
+        let product = a.u * b.u * (self.trials - 1) as f64;
+        if product < f64::MIN_POSITIVE {
             return 0.0;
         }
         let pairs = self.values(output).zip(self.values(other));
-        pairs.map(|(x, y)| (x - a.mean) * (y - b.mean)).sum::<f64>() / scale
+        pairs.map(|(x, y)| (x - a.mean) * (y - b.mean)).sum::<f64>() / product
     }
 }
 
@@ -67,7 +67,7 @@ pub fn propagate<M: Model>(
 ) -> Result<Propagation, Error> {
     settings.check(model.outputs())?;
     let Some(threads) = settings.threads else {
-        return run(model, settings, progress);
+        return on_this_pool(model, settings, progress);
     };
     let threads = threads.get();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
@@ -75,11 +75,11 @@ pub fn propagate<M: Model>(
         threads,
         reason: error.to_string(),
     })?;
-    pool.install(|| run(model, settings, progress))
+    pool.install(|| on_this_pool(model, settings, progress))
 }
 
 /// [`propagate`] in the pool that it is called in, with settings that were checked.
-fn run<M: Model>(
+fn on_this_pool<M: Model>(
     model: &M,
     settings: &Settings,
     progress: &(dyn Fn(usize) + Sync),

@@ -1,4 +1,4 @@
-//! How to run a propagation.
+//! How a propagation is made.
 
 use std::num::NonZeroUsize;
 
@@ -22,7 +22,7 @@ pub enum Trials {
     },
 }
 
-/// How to run a propagation.
+/// How a propagation is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Number of trials. The default, 10⁵, settles one significant digit of the standard
@@ -53,7 +53,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Whether a propagation of this number of outputs can be run as asked.
+    /// Whether a propagation of this number of outputs can be made as asked.
     pub(crate) fn check(&self, outputs: usize) -> Result<(), Error> {
         let coverage = self.coverage;
         if !(coverage > 0.0 && coverage < 1.0) {

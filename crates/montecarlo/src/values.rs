@@ -76,7 +76,7 @@ impl Values {
                         return None;
                     }
                     let first = self.trials + index * CHUNK_TRIALS;
-                    let failure = run_chunk(model, &root, first, workspace, row, chunk);
+                    let failure = fill_chunk(model, &root, first, workspace, row, chunk);
                     if failure.is_some() {
                         failed_chunk.fetch_min(index, Ordering::Relaxed);
                     }
@@ -151,7 +151,7 @@ fn allocated(outputs: usize, trials: usize) -> Result<Vec<f64>, Error> {
 
 /// Makes the trials of one chunk from number `first` on, each from its own stream; stops at the
 /// first that has an output which is not finite.
-fn run_chunk<M: Model>(
+fn fill_chunk<M: Model>(
     model: &M,
     root: &ChaCha8Rng,
     first: usize,

@@ -8,7 +8,7 @@ use trueaxis_kinematics::centroid;
 use crate::network::Network;
 use crate::state::{DATUM, State};
 
-/// Where rotations of the datum turn, and their scale.
+/// Where rotations of the datum turn, and in which unit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Datum {
     pub(crate) centroid: Point3<f64>,

@@ -39,11 +39,11 @@ pub(crate) fn fill(
     (stations, shared): (usize, usize),
     equations: &mut BlockBatch,
 ) {
-    let in_runs = PER_STATION * stations;
+    let in_quads = PER_STATION * stations;
     equations.reset(Shape {
         rows: batch.slots(),
         unknowns: tie.map_or(3 * batch.points, |_| POSE),
-        in_runs,
+        in_quads,
         shared,
         datum: if datum.is_some() { DATUM } else { 0 },
     });
@@ -55,7 +55,7 @@ pub(crate) fn fill(
                 (batch, slot),
                 &beams.of_slots[slot],
                 tie,
-                (stations, in_runs),
+                (stations, in_quads),
                 row,
             );
         }
@@ -73,7 +73,7 @@ fn fill_row(
     (batch, slot): (&Batch, usize),
     beam: &Beam,
     tie: Option<&Tie>,
-    (stations, in_runs): (usize, usize),
+    (stations, in_quads): (usize, usize),
     row: RowMut<'_>,
 ) {
     let point = batch.layout.point_of_slot[slot];
@@ -88,7 +88,7 @@ fn fill_row(
             row.own[..3].copy_from_slice(&u);
             row.own[3..].copy_from_slice(&cross(at(&tie.arms_mm, point), u));
             let moved = tie.deformations.chunks_exact(3 * batch.points);
-            for (moved, x) in moved.zip(&mut row.others[tie.first - in_runs..]) {
+            for (moved, x) in moved.zip(&mut row.others[tie.first - in_quads..]) {
                 *x = dot(u, at(moved, point));
             }
         }
@@ -97,19 +97,19 @@ fn fill_row(
     let contrasts = batch.contrasts_of(point);
     let first = row.others.len() - contrasts.len();
     row.others[first..].copy_from_slice(contrasts);
-    for (x, u) in row.run.iter_mut().zip(u) {
+    for (x, u) in row.quad.iter_mut().zip(u) {
         *x = -u;
     }
     *row.residual = beam.residual_mm;
     let minus = Lanes::splat(-1.0);
-    row.run[PER_STATION - 1] = Lanes::ZERO;
+    row.quad[PER_STATION - 1] = Lanes::ZERO;
     let Some(zeros) = batch.zeros.get(slot) else {
-        row.run[PER_STATION - 1] = minus;
+        row.quad[PER_STATION - 1] = minus;
         return;
     };
     for (lane, &zero) in zeros.iter().enumerate() {
         match zero.checked_sub(stations) {
-            None => row.run[PER_STATION - 1].0[lane] = -1.0,
+            None => row.quad[PER_STATION - 1].0[lane] = -1.0,
             Some(after) => row.others[after].0[lane] = -1.0,
         }
     }

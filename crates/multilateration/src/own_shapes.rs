@@ -48,7 +48,7 @@ pub struct OwnShapeTest {
     /// In how many ways the lengths of the group tell its shape.
     pub degrees_of_freedom: usize,
     /// Root mean square of the displacements by which its shape differs, over all coordinates of its targets, mm:
-    /// of those principal directions in which it differs by more than two standard deviations.
+    /// of those principal deformations by which it differs by more than two standard deviations.
     pub rms_mm: f64,
 }
 
@@ -57,8 +57,8 @@ const SIGNIFICANT: f64 = 2.0;
 
 #[derive(Debug, Clone)]
 struct OwnShape {
-    /// `A^(-1/2)`: deformations, mm, of the standardised directions that the lengths tell, a column each.
-    directions: DMatrix<f64>,
+    /// `A^(-1/2)`: deformations, mm, of unit variance that the lengths tell, a column each.
+    modes: DMatrix<f64>,
     /// `g` and `G`.
     score: DVector<f64>,
     coupling: DMatrix<f64>,
@@ -116,7 +116,7 @@ impl OwnShapes {
             false => (along.component_mul(&inverse), inverse),
             true => (along, kept.eigenvalues),
         };
-        let own = &shape.directions * &kept.eigenvectors;
+        let own = &shape.modes * &kept.eigenvectors;
         let deformation = &own * by;
         let covariance = &own * DMatrix::from_diagonal(&variances) * own.transpose();
         let principal = SymmetricEigen::new(covariance);
@@ -175,13 +175,13 @@ fn one_and(sign: f64, coupling: &DMatrix<f64>, sigma: &DMatrix<f64>) -> Symmetri
     SymmetricEigen::new(DMatrix::identity(size, size) + symmetric)
 }
 
-/// The eigenvectors, each times what `scale` makes of its value, if anything; `None` if there is none.
+/// The eigenvectors, each times what `factor` makes of its value, if anything; `None` if there is none.
 fn scaled_columns(
     of: &SymmetricEigen<f64, Dyn>,
-    scale: impl Fn(f64) -> Option<f64>,
+    factor: impl Fn(f64) -> Option<f64>,
 ) -> Option<DMatrix<f64>> {
     let columns = of.eigenvectors.column_iter().zip(&of.eigenvalues);
-    let columns = columns.filter_map(|(column, &value)| Some(column * scale(value)?));
+    let columns = columns.filter_map(|(column, &value)| Some(column * factor(value)?));
     let columns: Vec<DVector<f64>> = columns.collect();
     (!columns.is_empty()).then(|| DMatrix::from_columns(&columns))
 }
@@ -232,14 +232,14 @@ fn of_batch(
         let own = SymmetricEigen::new(all.columns(columns.start, deformations).into_owned());
         let least = CHECKED_TOL * size.0[lane];
         let told = scaled_columns(&own, |x| (x > least).then(|| x.sqrt().recip()))?;
-        // Directions that nothing tells apart from what all share have no part.
+        // Modes that nothing tells apart from what all share have no part.
         let kept = one_and(-1.0, &told.tr_mul(&all), sigma);
-        let directions = told * scaled_columns(&kept, |x| (x > CHECKED_TOL).then_some(1.0))?;
+        let modes = told * scaled_columns(&kept, |x| (x > CHECKED_TOL).then_some(1.0))?;
         let score = DVector::from_fn(deformations, |d, _| product(d, width));
         Some(OwnShape {
-            score: directions.tr_mul(&score),
-            coupling: directions.tr_mul(&all),
-            directions,
+            score: modes.tr_mul(&score),
+            coupling: modes.tr_mul(&all),
+            modes,
             coordinates,
             is_free: false,
         })

@@ -75,10 +75,10 @@ impl Tie {
     pub(crate) fn move_by(&mut self, [shift, turn]: [LaneVector; 2]) {
         let (one, half) = (Lanes::splat(1.0), times(turn, Lanes::splat(0.5)));
         let per_square = one / (one + dot(half, half));
-        let scale = per_square.sqrt();
+        let norm = per_square.sqrt();
         let across = plus(times(half, self.real), cross(half, self.turn));
         let real = self.real - dot(half, self.turn);
-        (self.turn, self.real) = (times(plus(self.turn, across), scale), real * scale);
+        (self.turn, self.real) = (times(plus(self.turn, across), norm), real * norm);
         self.columns = columns(self.turn, self.real);
         let across = cross(half, minus(self.shift_mm, self.centre_mm));
         let twice = plus(across, cross(half, across));

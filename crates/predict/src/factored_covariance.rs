@@ -130,11 +130,11 @@ impl FactoredCovariance {
     }
 
     /// Each result times a factor.
-    pub(crate) fn scaled(mut self, factors: &[f64]) -> Self {
+    pub(crate) fn multiplied(mut self, factors: &[f64]) -> Self {
         for (own, factors) in self.own.iter_mut().zip(factors.chunks_exact(6)) {
-            *own = scaled(own, factors);
+            *own = multiplied(own, factors);
         }
-        self.sensitivities.scale(factors);
+        self.sensitivities.multiply(factors);
         self
     }
 
@@ -149,6 +149,6 @@ impl FactoredCovariance {
 }
 
 /// The covariance of six results, each times a factor.
-pub(crate) fn scaled(own: &Matrix6<f64>, factors: &[f64]) -> Matrix6<f64> {
+pub(crate) fn multiplied(own: &Matrix6<f64>, factors: &[f64]) -> Matrix6<f64> {
     Matrix6::from_fn(|i, j| own[(i, j)] * (factors[i] * factors[j]))
 }

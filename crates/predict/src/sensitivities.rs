@@ -92,7 +92,7 @@ impl Sensitivities {
     }
 
     /// Multiplies each row by a factor.
-    pub(crate) fn scale(&mut self, factors: &[f64]) {
+    pub(crate) fn multiply(&mut self, factors: &[f64]) {
         for piece in &mut self.pieces {
             let rows = piece.values.chunks_exact_mut(piece.columns.len().max(1));
             for (row, factor) in rows.zip(&factors[piece.first..]) {
@@ -157,7 +157,7 @@ mod tests {
             assert_eq!(found.row(2).collect::<Vec<_>>(), [(2, 3.0), (3, 4.0)]);
             assert_eq!(found.drop_unused_columns(), [0, 2, 3]);
             found.push_column(&[5.0, 6.0, 7.0]);
-            found.scale(&[1.0, 2.0, 10.0]);
+            found.multiply(&[1.0, 2.0, 10.0]);
             let expected = [1., 0., 2., 5., 0., 0., 0., 12., 0., 30., 40., 70.];
             assert_eq!(as_matrix(&found), DMatrix::from_row_slice(3, 4, &expected));
         }

@@ -10,7 +10,7 @@ use crate::numbers::{COVERAGE, decimals, fixed, rough, signed, with_u};
 use crate::page::Figure;
 use crate::svg::Drawing;
 use crate::svg::plot::{COLOURS, Plot};
-use crate::svg::ticks::{Scale, range};
+use crate::svg::ticks::{Ruler, range};
 use crate::words;
 
 /// The section of the diagnosis.
@@ -193,14 +193,14 @@ fn misfits(
         .flat_map(|(place, _)| [place.before_um, place.after_um]);
     let [low, high] = range(values.chain(level.noise_floor_um).chain([0.0]));
     let end = places.len() as f64 - 0.4;
-    let mut x = Scale::new(-0.6, end, 5);
+    let mut x = Ruler::new(-0.6, end, 5);
     let letters = MOST_LETTERS / places.len();
     let ticks = places
         .iter()
         .enumerate()
         .map(|(k, (_, name))| (k as f64, tick(name, letters)));
     x.ticks = ticks.collect();
-    let y = ("misfit (rms) in µm", Scale::new(low.max(0.0), high, 5));
+    let y = ("misfit (rms) in µm", Ruler::new(low.max(0.0), high, 5));
     let mut plot = Plot::new([900.0, 260.0], "", (kinds, x), y);
     if let Some(noise) = level.noise_floor_um {
         plot.line("rule", [[-0.6, noise], [end, noise]]);

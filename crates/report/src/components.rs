@@ -7,7 +7,7 @@ use crate::calibration::{Axis, Calibration, Curve, Kind};
 use crate::numbers::{decimals, expanded, fixed, signed, with_u};
 use crate::page::Figure;
 use crate::svg::plot::Plot;
-use crate::svg::ticks::{Scale, bounds, range};
+use crate::svg::ticks::{Ruler, bounds, range};
 use crate::words;
 
 /// The section of an axis.
@@ -117,12 +117,12 @@ fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
         .collect();
     let [low, high] = shown(&nodes);
     let [from, to] = range(axis.positions.iter().copied());
-    let x = Scale::positions(axis.kind == Kind::Rotary, from, to, 5);
+    let x = Ruler::positions(axis.kind == Kind::Rotary, from, to, 5);
     let x_label = format!("{} in {}", axis.name, position_unit.trim());
     let unit = if curve.is_angular() { "arcsec" } else { "µm" };
     let y_label = format!("{name} in {unit}");
     let unit = told_behind(unit, ' ');
-    let y = (&*y_label, Scale::new(low, high, 5));
+    let y = (&*y_label, Ruler::new(low, high, 5));
     let mut plot = Plot::new(SIZE, &format!("{name}  {described}"), (&x_label, x), y);
     let of_side = |side: Option<i8>| -> Vec<[f64; 3]> {
         let nodes = nodes.iter().enumerate();

@@ -6,7 +6,7 @@ use crate::diagnosis::{CurvePoint, Disturbance};
 use crate::numbers::{decimals, fixed, with_u};
 use crate::page::Figure;
 use crate::svg::plot::Plot;
-use crate::svg::ticks::{Scale, range};
+use crate::svg::ticks::{Ruler, range};
 
 #[derive(Serialize)]
 pub(crate) struct DisturbanceView {
@@ -53,7 +53,7 @@ fn coordinates(of: &Disturbance) -> &'static [&'static str] {
     }
 }
 
-/// The course of a disturbance, a figure with its 95 % band for each coordinate, all to one scale; of the geometry of an axis at each
+/// The course of a disturbance, a figure with its 95 % band for each coordinate, all drawn alike; of the geometry of an axis at each
 /// of the positions where it is given.
 fn smooth(k: usize, curve: &[CurvePoint], of: &Disturbance) -> Vec<Figure> {
     let (x_label, axis) = (argument(of), of.axis().unwrap_or_default());
@@ -82,8 +82,8 @@ fn smooth(k: usize, curve: &[CurvePoint], of: &Disturbance) -> Vec<Figure> {
                 None if count == 1 => String::new(),
                 None => (*name).to_owned(),
             };
-            let x = (x_label, Scale::new(from, to, 4));
-            let y = ("disturbance in µm", Scale::new(low, high, 5));
+            let x = (x_label, Ruler::new(from, to, 4));
+            let y = ("disturbance in µm", Ruler::new(low, high, 5));
             let mut plot = Plot::new([340.0, 200.0], &title, x, y);
             plot.band(0, &edge(c, -1.0), &edge(c, 1.0));
             plot.line("l0", edge(c, 0.0));

@@ -8,7 +8,7 @@ use crate::numbers::{fixed, normal_quantile, rough};
 use crate::page::Figure;
 use crate::residuals::{Residuals, Row};
 use crate::svg::plot::{Plot, series_class};
-use crate::svg::ticks::{Scale, bounds, range};
+use crate::svg::ticks::{Ruler, bounds, range};
 use crate::words::shortened;
 
 /// Above this many lengths each figure shows every n-th dot, and all that stand out.
@@ -124,10 +124,10 @@ fn shown(residuals: &Residuals, every: usize) -> impl Iterator<Item = (usize, &R
 }
 
 /// What all but the far ones lie in: a wrong length must not make the others a line.
-fn of_used(residuals: &Residuals) -> Scale {
+fn of_used(residuals: &Residuals) -> Ruler {
     let [low, high] = range(residuals.used().map(|row| row.residual_um));
     let half = low.abs().max(high.abs());
-    Scale::new(-half, half, 5)
+    Ruler::new(-half, half, 5)
 }
 
 /// Half of the range in which 95 % of the residuals lie where noise alone is left; of the median length, µm.
@@ -149,7 +149,7 @@ fn in_time(residuals: &Residuals, every: usize, noise: Option<f64>) -> Figure {
     let y = of_used(residuals);
     let half = y.high;
     let from = from.max(0.0).min(to);
-    let x = ("time in s", Scale::new(from, to, 8));
+    let x = ("time in s", Ruler::new(from, to, 8));
     let mut plot = Plot::new(WIDE, "", x, ("residual in µm", y));
     let at = |row: &Row| [row.time_s, row.residual_um.clamp(-half, half)];
     for series in 0..residuals.series.len() {
@@ -214,7 +214,7 @@ fn by_series(residuals: &Residuals) -> Figure {
         .iter()
         .flat_map(|(_, _, rms, half)| [*rms, 1.0 - half, 1.0 + half]);
     let [low, high] = range(ends);
-    let mut x = Scale::new(-0.5, series as f64 - 0.5, 5);
+    let mut x = Ruler::new(-0.5, series as f64 - 0.5, 5);
     let most = 8;
     let every = series.div_ceil(most).max(1);
     let named = residuals.series.iter().enumerate().step_by(every);
@@ -222,7 +222,7 @@ fn by_series(residuals: &Residuals) -> Figure {
         .map(|(k, name)| (k as f64, shortened(name, MOST_LETTERS)))
         .collect();
     let title = format!("rms by {} and target", by(residuals));
-    let y = ("rms (1 if noise alone)", Scale::new(low.max(0.0), high, 5));
+    let y = ("rms (1 if noise alone)", Ruler::new(low.max(0.0), high, 5));
     let mut plot = Plot::new(SMALL, &title, (by(residuals), x), y);
     for (series, target, rms, half) in rms {
         let spread = 0.7 * ((target as f64 + 0.5) / targets as f64 - 0.5);
@@ -263,7 +263,7 @@ fn quantiles(residuals: &Residuals) -> Figure {
     let half = low.abs().max(high.abs()).min(8.0);
     let title = "quantiles of standardized residuals";
     let labels = ["normal distribution", "residuals, standardized"];
-    let [x, y] = labels.map(|label| (label, Scale::new(-half, half, 6)));
+    let [x, y] = labels.map(|label| (label, Ruler::new(-half, half, 6)));
     let mut plot = Plot::new(SMALL, title, x, y);
     // As many residuals are independent as there are degrees of freedom: the sum of the redundancy numbers.
     let redundancy = residuals.rows.iter().filter_map(|row| row.redundancy);
@@ -319,7 +319,7 @@ fn over_position(
     let name = &residuals.axes[axis];
     let title = format!("over the position of {name}");
     let label = format!("{name} in {}", if is_rotary { "°" } else { "mm" });
-    let x = (&*label, Scale::positions(is_rotary, from, to, 5));
+    let x = (&*label, Ruler::positions(is_rotary, from, to, 5));
     let mut plot = Plot::new(SMALL, &title, x, ("residual in µm", of_used(residuals)));
     for series in 0..residuals.series.len() {
         let of_series = points.iter().filter(|(of, _)| *of == series);

@@ -7,10 +7,10 @@ use crate::numbers::{fixed, signed, with_u};
 use crate::page::Figure;
 use crate::svg::Drawing;
 use crate::svg::plot::Plot;
-use crate::svg::ticks::{Scale, range};
+use crate::svg::ticks::{Ruler, range};
 
-/// A figure for each coordinate in which the cause of a rank shows, the one in which it shows most first, all to one
-/// scale.
+/// A figure for each coordinate in which the cause of a rank shows, the one in which it shows most first, all
+/// drawn alike.
 pub(crate) fn fitted_figures(rank: usize, is_of_curve: bool, fitted: &Fitted) -> Vec<Figure> {
     let coordinates: Vec<Values<'_>> = std::iter::once(fitted)
         .chain(&fitted.beside)
@@ -27,7 +27,7 @@ pub(crate) fn fitted_figures(rank: usize, is_of_curve: bool, fitted: &Fitted) ->
             1 => format!("cause-{rank}"),
             _ => format!("cause-{rank}-{k}"),
         };
-        Figure::new(&name, values.drawn(size, Scale::new(low, high, 5)))
+        Figure::new(&name, values.drawn(size, Ruler::new(low, high, 5)))
     });
     figures.collect()
 }
@@ -79,7 +79,7 @@ impl<'a> Values<'a> {
         self.misfit.iter().chain(self.effect).copied().chain(edges)
     }
 
-    fn drawn(&self, size: [f64; 2], y: Scale) -> Drawing {
+    fn drawn(&self, size: [f64; 2], y: Ruler) -> Drawing {
         let Self {
             of: fitted,
             misfit,
@@ -99,7 +99,7 @@ impl<'a> Values<'a> {
         let what = if self.is_of_curve { "error" } else { "misfit" };
         let y_label = format!("{what} in {unit}");
         let most_ticks = if size[0] > 400.0 { 5 } else { 4 };
-        let x = Scale::positions(place_unit == "°", from, to, most_ticks);
+        let x = Ruler::positions(place_unit == "°", from, to, most_ticks);
         let mut plot = Plot::new(size, &fitted.of, (&x_label, x), (&y_label, y));
         // Time has no sides; over a position each side of approach has its own course.
         let is_on = |k: usize, forward: bool| {

@@ -70,7 +70,7 @@ impl Input {
         Ok(input)
     }
 
-    /// Lets go of what an earlier run on other data left in the folder.
+    /// Lets go of what was made of other data before in the folder.
     fn leave_out_strangers(&mut self) {
         let Some(calibration) = &self.calibration else {
             self.residuals = None;

@@ -187,12 +187,12 @@ impl Scene {
             .collect();
         let [x, y] = [0, 1].map(|k| extent(all.iter().map(|p| p[k])));
         let fit = |k: usize, extent: f64| (SIZE[k] - 2.0 * MARGIN) / extent;
-        let scale = fit(0, x[1]).min(fit(1, y[1]));
+        let per_mm = fit(0, x[1]).min(fit(1, y[1]));
         let place = |p: Place| {
             let [a, b] = flat(p);
             [
-                0.5 * SIZE[0] + scale * (a - x[0]),
-                0.5 * SIZE[1] + scale * (b - y[0]),
+                0.5 * SIZE[0] + per_mm * (a - x[0]),
+                0.5 * SIZE[1] + per_mm * (b - y[0]),
             ]
         };
         let names = self.points.iter().map(|point| point.name.as_str());

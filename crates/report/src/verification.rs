@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::numbers::{COVERAGE, decimals, fixed, p_value, signed, with_u};
 use crate::page::Figure;
 use crate::svg::plot::Plot;
-use crate::svg::ticks::{Scale, bounds, range};
+use crate::svg::ticks::{Ruler, bounds, range};
 
 /// What figures and tables need of `verification.json`.
 #[derive(Debug, Default, Deserialize)]
@@ -221,8 +221,8 @@ fn figure(k: usize, entry: &Entry, rotary_axes: &[String]) -> Option<Figure> {
         "ballbar" => "change of the bar in µm",
         _ => "deviation in µm",
     };
-    let x = Scale::positions(is_rotary && is_place, from, to, 8);
-    let y = (y_label, Scale::new(low, high, 5));
+    let x = Ruler::positions(is_rotary && is_place, from, to, 8);
+    let y = (y_label, Ruler::new(low, high, 5));
     let mut plot = Plot::new(SIZE, "", (&x_label, x), y);
     for side in [1, -1] {
         let on_side = numbered.iter().filter(|(_, point)| point.direction == side);

@@ -42,7 +42,7 @@ pub(crate) struct Rivals<'a> {
     step: &'a StepTest,
     rows: &'a Whitened,
     /// Standard deviation of w.
-    scale: f64,
+    spread: f64,
     /// The readings of the step's zero.
     occupation: Vec<usize>,
     /// The directions in which these are taken.
@@ -71,12 +71,12 @@ enum Mover {
 }
 
 impl<'a> Rivals<'a> {
-    /// The rivals of a step; `scale` is the standard deviation of w.
+    /// The rivals of a step; `spread` is the standard deviation of w.
     pub(crate) fn of(
         step: &'a StepTest,
         (network, solution): (&Network, &Solution),
         rows: &'a Whitened,
-        scale: f64,
+        spread: f64,
     ) -> Self {
         let zeros = network.zero_of_readings();
         let zero = zeros[step.first_reading];
@@ -105,7 +105,7 @@ impl<'a> Rivals<'a> {
         Self {
             step,
             rows,
-            scale,
+            spread,
             occupation,
             beams,
             instants,
@@ -142,7 +142,7 @@ impl<'a> Rivals<'a> {
 
     /// The step itself.
     fn step(&self) -> f64 {
-        (self.step.w / self.scale).powi(2)
+        (self.step.w / self.spread).powi(2)
     }
 
     /// A zero that drifts or settles, whichever is best.
@@ -177,11 +177,11 @@ impl<'a> Rivals<'a> {
             columns.extend(self.following(Mover::Zero, |k| self.jumps(k)));
             let (left, right) = self.normal_equations(&columns);
             let (of_waves, along) = (left.view((0, 0), (n, n)), right.rows(0, n));
-            let alone = wander(&of_waves.into_owned(), &along.into_owned(), self.scale);
+            let alone = wander(&of_waves.into_owned(), &along.into_owned(), self.spread);
             // What the step explains of the waves is free.
             let (own, of_step) = (left.column(n).rows(0, n) / left[(n, n)], right[n]);
             let of_waves = of_waves - &own * left.view((n, 0), (1, n));
-            let beside = wander(&of_waves, &(along - own * of_step), self.scale);
+            let beside = wander(&of_waves, &(along - own * of_step), self.spread);
             (beside.ratio - alone.ratio, alone.rms_mm)
         };
         let (of_zero, of_station) = rayon::join(|| of(Mover::Zero), || of(Mover::Station));
@@ -199,7 +199,7 @@ impl<'a> Rivals<'a> {
     }
 
     fn squares(&self, mover: Mover, course: impl Fn(usize) -> f64) -> f64 {
-        self.explained(&self.following(mover, course)) / (self.scale * self.scale)
+        self.explained(&self.following(mover, course)) / (self.spread * self.spread)
     }
 
     /// Whitened columns of a zero, or of each coordinate of a station, that follows a course over the readings of the
@@ -270,15 +270,15 @@ struct Wander {
 
 /// The most likely process in half waves, of the normal equations of its columns: wave after wave, each with one for each
 /// coordinate.
-fn wander(left: &DMatrix<f64>, right: &DVector<f64>, scale: f64) -> Wander {
+fn wander(left: &DMatrix<f64>, right: &DVector<f64>, spread: f64) -> Wander {
     let n = right.len();
     let coordinates = n / WAVES as usize;
     let mut best = Wander::default();
     for length in WANDER_LENGTHS {
         let roots = &matern_roots(length, WAVES)[1..];
-        let root = DVector::from_fn(n, |k, _| roots[k / coordinates] / scale);
+        let root = DVector::from_fn(n, |k, _| roots[k / coordinates] / spread);
         let scaled = DMatrix::from_fn(n, n, |i, j| root[i] * left[(i, j)] * root[j]);
-        let along = right.component_mul(&root) / scale;
+        let along = right.component_mul(&root) / spread;
         for exponent in SIZES {
             let variance = n as f64 / scaled.trace() * 10_f64.powf(f64::from(exponent) / 4.0);
             let Some(factor) = (DMatrix::identity(n, n) + variance * &scaled).cholesky() else {
@@ -287,7 +287,7 @@ fn wander(left: &DMatrix<f64>, right: &DVector<f64>, scale: f64) -> Wander {
             let mean = variance * factor.solve(&along);
             let ratio = along.dot(&mean) - factor.ln_determinant();
             if ratio > best.ratio {
-                let squares = mean.component_mul(&root).norm_squared() * scale * scale;
+                let squares = mean.component_mul(&root).norm_squared() * spread * spread;
                 let rms_mm = (0.5 * squares).sqrt();
                 best = Wander { ratio, rms_mm };
             }

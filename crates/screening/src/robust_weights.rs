@@ -1,7 +1,7 @@
 //! Weights that keep gross errors from bending the adjustment.
 //!
 //! A reading's weight follows from its distance `t` to what the others predict, in units of the
-//! scale that most readings show, by Welsch's redescending rule `exp(-(t/c)²)`: far readings lose
+//! spread that most readings show, by Welsch's redescending rule `exp(-(t/c)²)`: far readings lose
 //! all pull. While steps in the zeros of stations are still to be found, `t` is the distance to the
 //! median of the readings before and after it: a lost count shifts its neighbours as well and keeps its
 //! weight, a gross error stands alone and loses it.
@@ -23,7 +23,7 @@ const NEIGHBOURS: usize = 6;
 pub(crate) const REMOVED: f64 = 1e8;
 
 /// Standard deviation of w that most readings show: 1 if the noise is as declared.
-pub(crate) fn scale(tests: &[ReadingTest], factors: &[f64]) -> f64 {
+pub(crate) fn spread(tests: &[ReadingTest], factors: &[f64]) -> f64 {
     let taking_part = |(test, &factor): (&ReadingTest, &f64)| {
         (factor < REMOVED && test.sigma_mm.is_finite()).then_some(test.w.abs())
     };

@@ -16,7 +16,7 @@ use trueaxis_multilateration::{
 use self::far_readings::far_at;
 use crate::estimate_noise::NoiseEstimate;
 use crate::interruption::Excluded;
-use crate::robust_weights::{REMOVED, scale};
+use crate::robust_weights::{REMOVED, spread};
 use crate::screened::Screened;
 use crate::step_tests::StepTest;
 use crate::{Error, guard};
@@ -24,11 +24,11 @@ use crate::{Error, guard};
 /// Probability that a network without gross errors loses any reading.
 const READINGS_LEVEL: f64 = 0.01;
 
-/// Asymptotic efficiency of the median as a scale, beside the standard deviation.
+/// Asymptotic efficiency of the median as a spread, beside the standard deviation.
 const MEDIAN_EFFICIENCY: f64 = 0.37;
 
 /// Calculated lengths have residuals of rounding, whose tails have no meaning.
-const LEAST_SCALE: f64 = 0.05;
+const LEAST_SPREAD: f64 = 0.05;
 
 /// Readings that may be far off at the start before the nominal positions are to blame.
 const MOST_FAR: f64 = 0.05;
@@ -54,7 +54,7 @@ pub(crate) fn reading_limit(readings: usize) -> f64 {
 }
 
 /// The limit of |w| at which the level of all tests together is `level`; `degrees_of_freedom` are
-/// those of the scale.
+/// those of the spread.
 fn critical(level: f64, tests: usize, degrees_of_freedom: f64) -> f64 {
     student_two_sided(level / tests.max(1) as f64, degrees_of_freedom)
 }
@@ -246,7 +246,7 @@ impl Search {
         }
     }
 
-    /// The tests at the present solution, and their scale.
+    /// The tests at the present solution, and their spread.
     fn tests(&mut self) -> Result<(Arc<Tests>, f64), Error> {
         if self.solution.is_none() {
             self.solve()?;
@@ -254,13 +254,13 @@ impl Search {
         let all = |solution: &Arc<Solution>| solution.tests(&self.network);
         let new = || Arc::new(self.solution.as_ref().map(all).unwrap_or_default());
         let tests = Arc::clone(self.tests.get_or_insert_with(new));
-        let scale = match (self.noise_known, self.declared) {
+        let spread = match (self.noise_known, self.declared) {
             (Some(_), _) => 1.0,
             // With few lengths the median may be small by chance; what is declared is not.
-            (None, true) => self.scale(&tests.readings).max(1.0),
-            (None, false) => self.scale(&tests.readings),
+            (None, true) => self.spread(&tests.readings).max(1.0),
+            (None, false) => self.spread(&tests.readings),
         };
-        Ok((tests, scale))
+        Ok((tests, spread))
     }
 
     /// The tests at a solution, if it is the present one and was tested.
@@ -271,11 +271,11 @@ impl Search {
             .filter(|_| Arc::ptr_eq(present, solution))
     }
 
-    fn scale(&self, tests: &[ReadingTest]) -> f64 {
-        scale(tests, &self.network.variance_factors).max(LEAST_SCALE)
+    fn spread(&self, tests: &[ReadingTest]) -> f64 {
+        spread(tests, &self.network.variance_factors).max(LEAST_SPREAD)
     }
 
-    /// The limit of |w| in scales. The scale has the degrees of freedom of the noise; the median, which
+    /// The limit of |w| in spreads. The spread has the degrees of freedom of the noise; the median, which
     /// gives it before that is estimated, is worth a third of them.
     fn limit(&self, level: f64) -> f64 {
         let redundancy = self
@@ -301,11 +301,11 @@ impl Search {
         if self.is_lost() {
             return Ok(false);
         }
-        let (tests, scale) = self.tests()?;
-        let changes = self.changes(&tests, scale);
+        let (tests, spread) = self.tests()?;
+        let changes = self.changes(&tests, spread);
         Ok(!changes.is_empty()
-            || self.weakest_split(scale).is_some()
-            || self.step(&tests.readings, scale).is_some())
+            || self.weakest_split(spread).is_some()
+            || self.step(&tests.readings, spread).is_some())
     }
 
     /// Finds gross errors and interruptions until nothing changes.
@@ -328,8 +328,8 @@ impl Search {
         // What is not significant in the end was none, and is not sought again.
         let never_split = std::mem::replace(&mut self.never_split, true);
         loop {
-            let (_, scale) = self.tests()?;
-            let Some(split) = self.weakest_split(scale) else {
+            let (_, spread) = self.tests()?;
+            let Some(split) = self.weakest_split(spread) else {
                 break;
             };
             self.network.interruptions.remove(split);

@@ -5,10 +5,10 @@ use trueaxis_leastsquares::dense::{eigenvalues_along, symmetric_eigen};
 use trueaxis_leastsquares::lane_products::LaneMatrix;
 use trueaxis_leastsquares::{Lanes, in_widest_registers, lanes_only};
 
-/// The directions of the parameters that the data can see.
+/// The combinations of the parameters that the data can see.
 #[derive(Debug, Clone)]
 pub struct Gram {
-    /// Eigenvalues above the limit: squared strength of a unit of each direction.
+    /// Eigenvalues above the limit: squared strength of a unit of each combination.
     values: Vec<f64>,
     /// Their eigenvectors, one after the other.
     vectors: Vec<f64>,
@@ -46,7 +46,7 @@ impl Gram {
         new
     }
 
-    /// Number of directions that the data see.
+    /// Number of combinations that the data see.
     pub fn rank(&self) -> usize {
         self.values.len()
     }
@@ -64,7 +64,7 @@ impl Gram {
     }
 
     /// Eigenvalues, the coordinates of `s` in standard deviations, and eigenvectors.
-    pub fn directions<'a>(&'a self, s: &'a [f64]) -> impl Iterator<Item = (f64, f64, &'a [f64])> {
+    pub fn combinations<'a>(&'a self, s: &'a [f64]) -> impl Iterator<Item = (f64, f64, &'a [f64])> {
         let vectors = self.vectors.chunks_exact(self.parameters.max(1));
         let seen = self.standardised(s).zip(vectors);
         seen.map(|((value, z), vector)| (value, z, vector))
@@ -99,7 +99,7 @@ impl Gram {
     /// The parameters `G⁺ s`; what the data do not see stays zero.
     pub fn estimates(&self, s: &[f64]) -> Vec<f64> {
         let mut estimates = vec![0.0; self.parameters];
-        for (value, z, vector) in self.directions(s) {
+        for (value, z, vector) in self.combinations(s) {
             for (estimate, v) in estimates.iter_mut().zip(vector) {
                 *estimate += v * z / value.sqrt();
             }
@@ -107,7 +107,7 @@ impl Gram {
         estimates
     }
 
-    /// Whether the data see each parameter: a direction that they do not see has no part in it. The
+    /// Whether the data see each parameter: a combination that they do not see has no part in it. The
     /// estimate of a parameter that they see in part is only that part.
     pub fn seen(&self) -> Vec<bool> {
         let n = self.parameters;
@@ -148,7 +148,7 @@ impl Gram {
     pub fn shrunk(&self, s: &[f64]) -> Vec<f64> {
         let (variance, _) = self.most_likely_width(s);
         let mut estimates = vec![0.0; self.parameters];
-        for (value, z, vector) in self.directions(s) {
+        for (value, z, vector) in self.combinations(s) {
             let x = variance * value;
             for (estimate, v) in estimates.iter_mut().zip(vector) {
                 *estimate += v * z / value.sqrt() * x / (1.0 + x);

@@ -60,7 +60,7 @@ impl Null {
         Self::simulated_in(projection, scans, |noise| noise)
     }
 
-    /// The same where the rows are along directions that rounding can turn or exchange, as eigenvectors: `along` takes noise
+    /// The same where the rows are along vectors that rounding can turn or exchange, as eigenvectors: `along` takes noise
     /// of what does not turn to them.
     pub fn simulated_in(
         projection: &Projection,

@@ -92,7 +92,7 @@ impl Projection {
         Self::of_nothing(observations).extended(base)
     }
 
-    /// That of several systems below each other, of each its first `rows` in units of `scale`; the rest of its rows are
+    /// That of several systems below each other, of each its first `rows` in units of `unit`; the rest of its rows are
     /// observations without a base model (dense ones without groups).
     pub fn stacked<'p>(parts: impl Iterator<Item = (&'p Self, usize, f64)> + Clone) -> Self {
         let widths = parts.clone().map(|(part, ..)| part.shared_width);
@@ -102,10 +102,10 @@ impl Projection {
             ..Self::of_nothing(Vec::new())
         };
         let (mut group_of_row, mut own) = (Vec::new(), Vec::new());
-        for (part, rows, scale) in parts {
-            let residuals = part.residuals[..rows].iter().map(|r| r / scale);
+        for (part, rows, unit) in parts {
+            let residuals = part.residuals[..rows].iter().map(|r| r / unit);
             stack.residuals.extend(residuals);
-            stack.squares += part.squares / (scale * scale);
+            stack.squares += part.squares / (unit * unit);
             stack.degrees_of_freedom += part.degrees_of_freedom - (part.rows() - rows) as f64;
             stack.taken += part.taken;
             stack.is_soft |= part.is_soft;

@@ -100,7 +100,7 @@ pub const DECISIVE: f64 = 6.0;
 pub const ALIKE: f64 = 0.95;
 
 /// Whether `rival` cannot be told from the leader: by evidence or BIC within 6, or because both explain
-/// the same. An explanation with more free directions is always at least as alike; there the evidence
+/// the same. An explanation with more free parameters is always at least as alike; there the evidence
 /// alone decides, which knows what the coincidence costs.
 pub fn is_rival(leader: &Score, rival: &Score, cosine: f64) -> bool {
     leader.evidence - rival.evidence < DECISIVE

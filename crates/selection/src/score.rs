@@ -16,7 +16,7 @@ pub struct Score {
     pub u_shape: f64,
     /// Drop of the sum of squares there, `T`.
     pub statistic: f64,
-    /// Directions of the parameters that the data see.
+    /// Combinations of the parameters that the data see.
     pub rank: usize,
     /// Logarithm of the p-value of the best shape that is tested as if this hypothesis and shape were the only ones.
     pub ln_p: f64,
@@ -74,9 +74,9 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
         let left = ((squares - own) / squares).max(f64::MIN_POSITIVE);
         let likelihood = -dof * left.ln();
         // The prior's price, in the variance that is left with this hypothesis in the model.
-        let scale = 1.0 / (variance * left).sqrt();
-        let scaled: Vec<f64> = s.iter().map(|s| s * scale).collect();
-        let price = gram.statistic(&scaled) - gram.evidence(&scaled);
+        let per_deviation = 1.0 / (variance * left).sqrt();
+        let in_deviations: Vec<f64> = s.iter().map(|s| s * per_deviation).collect();
+        let price = gram.statistic(&in_deviations) - gram.evidence(&in_deviations);
         listed.push(OfShape {
             tried,
             evidence: likelihood - price,

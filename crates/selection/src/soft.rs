@@ -18,7 +18,7 @@ use crate::gram_matrix::gram_matrix_of;
 use crate::projection::{Taken, add};
 use crate::{Gram, Projection};
 
-/// A direction that the data know so much less than its prior does is left out of the covariance.
+/// A combination that the data know so much less than its prior does is left out of the covariance.
 const NOTHING: f64 = 0.02;
 
 /// Rows that one thread takes at a time.
@@ -31,9 +31,9 @@ impl Projection {
         let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
         let gram = Gram::new(&gram_matrix_of(columns, (&taken_of, 0)), &before);
         let s: Vec<f64> = columns.iter().map(|c| dot(c, &self.residuals)).collect();
-        // Scaled eigenvectors, an element for each direction that is kept; row after row of X.
+        // Scaled eigenvectors, an element for each combination that is kept; row after row of X.
         let kept = || {
-            let all = gram.directions(&s);
+            let all = gram.combinations(&s);
             let parts = all.map(|(value, z, vector)| (value, value / (1.0 + value), z, vector));
             parts.filter(|(_, part, _, _)| *part >= NOTHING)
         };
@@ -181,7 +181,7 @@ mod tests {
     }
 
     /// Columns with a prior, then free ones: the same as by dense matrices, to the part that is left out of weak
-    /// directions; here all are strong.
+    /// combinations; here all are strong.
     #[test]
     fn columns_with_a_prior_are_in_the_covariance() {
         let mut generator = ChaCha8Rng::seed_from_u64(1);

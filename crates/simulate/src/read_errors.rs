@@ -53,7 +53,7 @@ fn curves(field: &str, axis: &Axis, spec: &AxisErrors) -> Result<[Curve; 6], Err
     let terms = |component: Component| spec.components.get(&component.name(axis.name()));
     Ok(Component::ALL.map(|component| Curve {
         terms: terms(component).cloned().unwrap_or_default(),
-        scale: unit_of(component),
+        unit: unit_of(component),
     }))
 }
 

@@ -26,7 +26,7 @@ pub(crate) struct TrueAxis {
 pub(crate) struct Curve {
     pub(crate) terms: Vec<Term>,
     /// From the unit of the terms (µm or arcsec) to mm or rad.
-    pub(crate) scale: f64,
+    pub(crate) unit: f64,
 }
 
 /// The unit in which files give a component error, µm or arcsec, in mm or rad.
@@ -55,7 +55,7 @@ impl TrueAxis {
         let q = self.kind.position_in_file(position);
         let values = self.curves.each_ref().map(|curve| {
             let terms = curve.terms.iter();
-            curve.scale * terms.map(|term| term.value(q, self.travel)).sum::<f64>()
+            curve.unit * terms.map(|term| term.value(q, self.travel)).sum::<f64>()
         });
         MotionError::from_vector(&values.into())
     }

@@ -7,8 +7,8 @@ use nalgebra::DMatrix;
 use trueaxis_montecarlo::Model;
 
 use crate::Error;
+use crate::matrix_size::check_size;
 use crate::replay::Replay;
-use crate::table_size::check_size;
 
 /// Reliability of all used lengths.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,15 +37,15 @@ impl Replay<'_> {
     /// Reliability of the used lengths; `None` in a points campaign.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] if the table of effects would not fit.
+    /// [`Error::TooLarge`] if the matrix of effects would not fit.
     pub fn reliability(&self) -> Result<Option<LengthsReliability>, Error> {
         let Some(lengths) = &self.trials.measured.lengths else {
             return Ok(None);
         };
         let screened = &lengths.screened;
         let (rows, columns) = (screened.kept.len(), self.outputs());
-        let table = || format!("what {rows} lengths do to {columns} results");
-        check_size(table, [rows, columns], "calibrate fewer runs at a time")?;
+        let matrix = || format!("what {rows} lengths do to {columns} results");
+        check_size(matrix, [rows, columns], "calibrate fewer runs at a time")?;
         let mut responses = self.responses();
         let mut errors_mm = vec![0.0; rows];
         let mut effects = DMatrix::zeros(rows, columns);

@@ -167,9 +167,9 @@ mod tests {
         let bound_mm = moments(&points, Point3::origin()).least_std_mm();
         assert!(bound_mm > 15.0, "{bound_mm}");
         let mut least_mm = f64::INFINITY;
-        for scale in [150.0, 700.0, 5000.0, 80_000.0] {
+        for spacing in [150.0, 700.0, 5000.0, 80_000.0] {
             for i in 0..12_u32.pow(3) {
-                let grid = [i % 12, i / 12 % 12, i / 144].map(|g| (f64::from(g) - 5.5) * scale);
+                let grid = [i % 12, i / 12 % 12, i / 144].map(|g| (f64::from(g) - 5.5) * spacing);
                 let seen_mm = moments(&points, Point3::from(grid)).length_std_mm();
                 least_mm = least_mm.min(seen_mm);
             }

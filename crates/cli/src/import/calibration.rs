@@ -47,7 +47,7 @@ pub(crate) struct ImportCalibrationArgs {
     pub(crate) json: bool,
 }
 
-pub(crate) fn run(args: &ImportCalibrationArgs) -> anyhow::Result<Exit> {
+pub(crate) fn execute(args: &ImportCalibrationArgs) -> anyhow::Result<Exit> {
     let machine = read_machine(&args.machine)?;
     let wanted = "give a table in ISG_CSV or in Etalon's exchange format";
     let text = read_text(&args.file, wanted)?;
@@ -86,7 +86,7 @@ pub(crate) fn run(args: &ImportCalibrationArgs) -> anyhow::Result<Exit> {
         })?;
     }
     let says = "is of another calibration and is not looked at";
-    notice_all(results.of_an_earlier_run(&[FactoredCovariance::FILE], says));
+    notice_all(results.left_from_before(&[FactoredCovariance::FILE], says));
     results.end(args.json.then_some(&text))?;
     Ok(Exit::Good)
 }

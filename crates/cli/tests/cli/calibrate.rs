@@ -72,7 +72,7 @@ fn writes_where_it_is_told_to() {
         "a/b/residuals.csv",
     ];
     assert_eq!(file_names(folder.path()), files);
-    // A second run replaces the files.
+    // Calibrating again replaces the files.
     calibrate(folder.path(), "fxyz", &["--out", "a/b"]).assert_good();
     assert_eq!(file_names(folder.path()), files);
     let text = fs::read_to_string(folder.path().join("a/b/calibration.json")).unwrap();

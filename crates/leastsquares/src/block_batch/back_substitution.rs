@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::{BlockBatch, RUN, Shape};
+use super::{BlockBatch, QUAD, Shape};
 use crate::factors::Factors;
-use crate::lanes::{Lanes, add_times, lanes_only, scale, zeros};
+use crate::lanes::{Lanes, add_times, lanes_only, multiply, zeros};
 
 impl BlockBatch {
     /// Numbers that [`BlockBatch::keep`] writes for blocks with `unknowns` unknowns.
@@ -29,19 +29,19 @@ impl BlockBatch {
     #[inline(always)]
     pub fn take_off(&mut self, s: &[f64]) {
         let Shape {
-            unknowns, in_runs, ..
+            unknowns, in_quads, ..
         } = self.shape;
         let (length, residual) = (self.shape.row_len(), self.shape.residual());
         for (row, &start) in self.rows.chunks_exact_mut(length).zip(&self.starts) {
-            let (run, others) = row[unknowns..residual].split_at(RUN);
+            let (quad, others) = row[unknowns..residual].split_at(QUAD);
             let mut left = row[residual];
-            if in_runs > 0 {
-                for (b, s) in run.iter().zip(&s[start..]) {
+            if in_quads > 0 {
+                for (b, s) in quad.iter().zip(&s[start..]) {
                     lanes_only();
                     left = b.mul_add(Lanes::splat(-*s), left);
                 }
             }
-            for (b, s) in others.iter().zip(&s[in_runs..]) {
+            for (b, s) in others.iter().zip(&s[in_quads..]) {
                 lanes_only();
                 left = b.mul_add(Lanes::splat(-*s), left);
             }
@@ -132,7 +132,7 @@ impl BlockBatch {
             for (j, (other, r)) in (k + 1..).zip(others) {
                 add_times(&mut row[j..], -*r, &other[j..]);
             }
-            scale(&mut row[k..], self.own_column[0]);
+            multiply(&mut row[k..], self.own_column[0]);
         }
         let numbers = factors.begin(blocks, n);
         let rows = || self.system.chunks_exact(length);

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use super::{BLOCK_RANK_TOL, BlockBatch, RUN, Shape};
+use super::{BLOCK_RANK_TOL, BlockBatch, QUAD, Shape};
 use crate::error::Error;
 use crate::lane_sums::LaneSums;
-use crate::lanes::{LANES, Lanes, add_several_times, add_times, scale, zeros};
+use crate::lanes::{LANES, Lanes, add_several_times, add_times, multiply, zeros};
 
 /// A combination of columns that is too short.
 struct WeakPivot {
@@ -59,7 +59,7 @@ impl BlockBatch {
         Err(self.error(&weak, &number))
     }
 
-    /// Ranges of rows whose products are added together: three of one run, a visit of three lengths, or one.
+    /// Ranges of rows whose products are added together: three of one quad, a visit of three lengths, or one.
     #[inline(always)]
     fn together(starts: &[usize]) -> impl Iterator<Item = Range<usize>> {
         let mut first = 0;
@@ -129,7 +129,7 @@ impl BlockBatch {
             }
             let reciprocal = Lanes::splat(1.0) / row[0].sqrt();
             row[0] = reciprocal;
-            scale(&mut row[1..], reciprocal);
+            multiply(&mut row[1..], reciprocal);
         }
         Ok(())
     }
@@ -165,17 +165,17 @@ impl BlockBatch {
     #[inline(always)]
     pub fn add_to(&self, sums: &mut LaneSums) {
         let Shape {
-            unknowns, in_runs, ..
+            unknowns, in_quads, ..
         } = self.shape;
         let length = self.shape.row_len();
         for range in Self::together(&self.starts) {
-            let start = (in_runs > 0).then_some(self.starts[range.start]);
+            let start = (in_quads > 0).then_some(self.starts[range.start]);
             let rows = &self.rows[range.start * length..range.end * length];
             match range.len() {
-                1 => sums.add_rows((start, in_runs), [&rows[unknowns..]]),
+                1 => sums.add_rows((start, in_quads), [&rows[unknowns..]]),
                 _ => {
                     let rows = three(rows, length).map(|row| &row[unknowns..]);
-                    sums.add_rows((start, in_runs), rows);
+                    sums.add_rows((start, in_quads), rows);
                 }
             }
         }
@@ -186,7 +186,7 @@ impl BlockBatch {
     }
 }
 
-/// Adds the products of some whitened rows `[A | run | others | r]` of one run to `[AᵀA | AᵀB | Aᵀr | H]`, of `AᵀA` to the
+/// Adds the products of some whitened rows `[A | quad | others | r]` of one quad to `[AᵀA | AᵀB | Aᵀr | H]`, of `AᵀA` to the
 /// upper triangle.
 #[inline(always)]
 fn add_products<const N: usize>(
@@ -197,7 +197,7 @@ fn add_products<const N: usize>(
 ) {
     let &Shape {
         unknowns,
-        in_runs,
+        in_quads,
         shared,
         ..
     } = shape;
@@ -206,11 +206,11 @@ fn add_products<const N: usize>(
         let (own, sums) = sums.split_at_mut(unknowns);
         add_several_times(&mut own[k..], factors, rows.map(|row| &row[k..]));
         let tails = rows.map(|row| &row[unknowns..]);
-        if in_runs > 0 {
-            add_several_times(&mut sums[start..start + RUN], factors, tails);
+        if in_quads > 0 {
+            add_several_times(&mut sums[start..start + QUAD], factors, tails);
         }
-        let tails = tails.map(|tail| &tail[RUN..]);
-        add_several_times(&mut sums[in_runs..=shared], factors, tails);
+        let tails = tails.map(|tail| &tail[QUAD..]);
+        add_several_times(&mut sums[in_quads..=shared], factors, tails);
     }
 }
 

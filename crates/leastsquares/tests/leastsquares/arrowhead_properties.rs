@@ -43,7 +43,7 @@ fn solve_arrowhead(blocks: &[Block], closure: f64) -> Result<Solved, Error> {
         batch.reset(Shape {
             rows: block.rows.len(),
             unknowns: block.unknowns,
-            in_runs: 0,
+            in_quads: 0,
             shared: SHARED,
             datum: 1,
         });

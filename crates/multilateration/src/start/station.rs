@@ -123,10 +123,10 @@ fn best_fits(sightings: &[Sighting], starts: &[Point3<f64>]) -> Vec<StationFit> 
 /// Solutions of the linear equations; two where the points leave one combination free and the
 /// definition of `q` closes it with a quadratic equation.
 fn linear_candidates(sightings: &[Sighting], cloud: &Cloud) -> Vec<Point3<f64>> {
-    let scale = cloud.radius_mm;
+    let unit_mm = cloud.radius_mm;
     let scaled = |s: &Sighting| {
-        let place = (s.point - cloud.centroid) / scale;
-        (place, (s.length_mm - cloud.mean_length_mm) / scale)
+        let place = (s.point - cloud.centroid) / unit_mm;
+        (place, (s.length_mm - cloud.mean_length_mm) / unit_mm)
     };
     let scaled: Vec<_> = sightings.iter().map(scaled).collect();
     let design = DMatrix::from_fn(scaled.len(), 5, |i, k| match (k, scaled[i]) {
@@ -136,7 +136,7 @@ fn linear_candidates(sightings: &[Sighting], cloud: &Cloud) -> Vec<Point3<f64>> 
     });
     let square = |(p, l): &(Vector3<f64>, f64)| p.norm_squared() - l * l;
     let right: Vec<f64> = scaled.iter().map(square).collect();
-    let position = |s: Vector3<f64>| cloud.centroid + s * scale;
+    let position = |s: Vector3<f64>| cloud.centroid + s * unit_mm;
     match dense::solve(&design, &right) {
         Ok(fit) => vec![position(Vector3::from_column_slice(&fit.unknowns[..3]))],
         Err(LeastSquaresError::DenseRank { rank: 4, .. }) => {

@@ -13,7 +13,7 @@ use std::io;
 use nalgebra::{DMatrix, Matrix6};
 use trueaxis_files::{Array, NpzWriter, WriteSeek, from_npz};
 
-use crate::factored_covariance::{FactoredCovariance, scaled};
+use crate::factored_covariance::{FactoredCovariance, multiplied};
 use crate::files::read_error::CovarianceProblem;
 use crate::sensitivities::{Rows, Sensitivities};
 
@@ -35,7 +35,7 @@ impl FactoredCovariance {
     pub fn write_npz(&self, out: &mut dyn WriteSeek, per_unit: &[f64]) -> io::Result<()> {
         let (rows, columns) = self.sensitivities.shape();
         let blocks = self.own.iter().zip(per_unit.chunks_exact(6));
-        let blocks = blocks.map(|(own, factors)| scaled(own, factors).data.0);
+        let blocks = blocks.map(|(own, factors)| multiplied(own, factors).data.0);
         let elements = self.sensitivities.elements().enumerate();
         let mut npz = NpzWriter::new(out);
         // Symmetric: columns are rows.

@@ -319,7 +319,7 @@ impl Measured {
         let units: Vec<f64> = units
             .chain(std::iter::repeat_n(1.0, 4 * stations))
             .collect();
-        Ok(in_file.scaled(&units))
+        Ok(in_file.multiplied(&units))
     }
 }
 

@@ -30,9 +30,9 @@ impl Root {
         // µm and ″ are of one size, mm and rad are not.
         let u: Vec<f64> = (0..count).map(|i| dense[(i, i)].max(0.0).sqrt()).collect();
         let correlation = DMatrix::from_fn(count, count, |i, j| {
-            let scale = u[i] * u[j];
-            if scale > 0.0 {
-                dense[(i, j)] / scale
+            let product = u[i] * u[j];
+            if product > 0.0 {
+                dense[(i, j)] / product
             } else {
                 0.0
             }

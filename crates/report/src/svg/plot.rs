@@ -1,7 +1,7 @@
 //! A plot: two axes with units, and marks in their coordinates.
 
 use crate::svg::Drawing;
-use crate::svg::ticks::Scale;
+use crate::svg::ticks::Ruler;
 use crate::words::shortened;
 
 /// Space for what stands beside the plotting area.
@@ -17,8 +17,8 @@ const HIT: f64 = 7.0;
 /// A plot under way.
 pub(crate) struct Plot {
     drawing: Drawing,
-    x: Scale,
-    y: Scale,
+    x: Ruler,
+    y: Ruler,
     width: f64,
     bottom: f64,
     top: f64,
@@ -32,8 +32,8 @@ impl Plot {
     pub(crate) fn new(
         size: [f64; 2],
         title: &str,
-        (x_label, x): (&str, Scale),
-        (y_label, y): (&str, Scale),
+        (x_label, x): (&str, Ruler),
+        (y_label, y): (&str, Ruler),
     ) -> Self {
         let [width, height] = size;
         let top = TOP + if title.is_empty() { 0.0 } else { TITLE };

@@ -2,7 +2,7 @@
 
 /// The range of an axis with its ticks.
 #[derive(Debug, Clone)]
-pub(crate) struct Scale {
+pub(crate) struct Ruler {
     pub(crate) low: f64,
     pub(crate) high: f64,
     pub(crate) ticks: Vec<(f64, String)>,
@@ -12,7 +12,7 @@ pub(crate) struct Scale {
 const DECIMAL: [f64; 4] = [1.0, 2.0, 5.0, 10.0];
 const DEGREES: [f64; 9] = [5.0, 10.0, 15.0, 30.0, 45.0, 60.0, 90.0, 180.0, 360.0];
 
-impl Scale {
+impl Ruler {
     /// From about `low` to `high`, with at most `most` ticks.
     pub(crate) fn new(low: f64, high: f64, most: usize) -> Self {
         Self::with_step(low, high, |span| {
@@ -110,22 +110,22 @@ pub(crate) fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    fn labels(scale: &Scale) -> Vec<&str> {
-        scale.ticks.iter().map(|(_, text)| text.as_str()).collect()
+    fn labels(ruler: &Ruler) -> Vec<&str> {
+        ruler.ticks.iter().map(|(_, text)| text.as_str()).collect()
     }
 
     #[test]
     fn ticks_are_round_numbers() {
         assert_eq!(
-            labels(&Scale::new(0.0, 440.0, 5)),
+            labels(&Ruler::new(0.0, 440.0, 5)),
             ["0", "100", "200", "300", "400"]
         );
         assert_eq!(
-            labels(&Scale::new(-0.31, 0.28, 4)),
+            labels(&Ruler::new(-0.31, 0.28, 4)),
             ["\u{2212}0.2", "0.0", "0.2"]
         );
         assert_eq!(
-            labels(&Scale::degrees(0.0, 360.0, 5)),
+            labels(&Ruler::degrees(0.0, 360.0, 5)),
             ["0", "90", "180", "270", "360"]
         );
     }
@@ -143,10 +143,10 @@ mod tests {
         ];
         for low in odd {
             for high in odd {
-                for scale in [Scale::new(low, high, 5), Scale::degrees(low, high, 5)] {
-                    assert!(scale.high > scale.low, "{low} {high}");
-                    assert!(scale.ticks.len() <= 65);
-                    assert!(scale.ticks.iter().all(|(value, _)| value.is_finite()));
+                for ruler in [Ruler::new(low, high, 5), Ruler::degrees(low, high, 5)] {
+                    assert!(ruler.high > ruler.low, "{low} {high}");
+                    assert!(ruler.ticks.len() <= 65);
+                    assert!(ruler.ticks.iter().all(|(value, _)| value.is_finite()));
                 }
             }
         }

@@ -24,7 +24,7 @@ pub(super) fn far_at(start: &Start, network: &Network) -> Vec<(usize, f64)> {
 
 impl Search {
     /// Lets go of far readings: the width of the weights starts at the largest distance, `widest`
-    /// times the scale at most, and is halved until it is the scale. A start at the scale would keep
+    /// times the spread at most, and is halved until it is the spread. A start at the spread would keep
     /// any few lengths that agree by chance (graduated non-convexity).
     pub(super) fn let_go(
         &mut self,
@@ -38,11 +38,11 @@ impl Search {
                 break;
             }
             let (tests, _) = self.tests()?;
-            let scale = self.scale(&tests.readings);
+            let spread = self.spread(&tests.readings);
             let distances = distances(&tests.readings);
             let largest = distances.iter().fold(0.0_f64, |most, t| most.max(t.abs()));
-            width = (0.5 * width).min(largest).min(widest * scale).max(scale);
-            settled += usize::from(width <= scale);
+            width = (0.5 * width).min(largest).min(widest * spread).max(spread);
+            settled += usize::from(width <= spread);
             self.network.variance_factors = distances.iter().map(|t| welsch(t / width)).collect();
             self.solve()?;
         }
@@ -53,8 +53,8 @@ impl Search {
         self.let_go(f64::INFINITY, |tests| {
             tests.iter().map(|test| test.w).collect()
         })?;
-        let (tests, scale) = self.tests()?;
-        let limit = self.limit(READINGS_LEVEL) * scale;
+        let (tests, spread) = self.tests()?;
+        let limit = self.limit(READINGS_LEVEL) * spread;
         let factor = |test: &ReadingTest| if test.w.abs() > limit { REMOVED } else { 1.0 };
         self.network.variance_factors = tests.readings.iter().map(factor).collect();
         self.solve()

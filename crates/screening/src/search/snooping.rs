@@ -15,13 +15,13 @@ impl Search {
                 break;
             }
             self.too_many(HOPELESS * self.most_removed)?;
-            let (tests, scale) = self.tests()?;
-            if let Some(step) = self.step(&tests.readings, scale) {
+            let (tests, spread) = self.tests()?;
+            if let Some(step) = self.step(&tests.readings, spread) {
                 self.split(step.station, step.first_reading);
                 self.solve()?;
                 continue;
             }
-            let mut changes = self.changes(&tests, scale);
+            let mut changes = self.changes(&tests, spread);
             changes.retain(|&(reading, factor)| factor >= REMOVED || returns[reading] < 2);
             if changes.is_empty() {
                 return Ok(());
@@ -38,8 +38,8 @@ impl Search {
 
     /// For each group the reading that should leave first, or else the visit that should leave as a
     /// whole, or else the reading that should come back first; with their new variance factors.
-    pub(super) fn changes(&self, tests: &Tests, scale: f64) -> Vec<(usize, f64)> {
-        let limit = self.limit(READINGS_LEVEL) * scale;
+    pub(super) fn changes(&self, tests: &Tests, spread: f64) -> Vec<(usize, f64)> {
+        let limit = self.limit(READINGS_LEVEL) * spread;
         let groups = self.network.groups.len();
         let mut worst: Vec<Option<(f64, usize)>> = vec![None; groups];
         let mut best: Vec<Option<(f64, usize)>> = vec![None; groups];

@@ -15,7 +15,7 @@ const STEPS_LEVEL: f64 = 1e-3;
 /// A step with fewer readings before or behind it is not told from gross errors.
 const LEAST_STEP: usize = 4;
 
-/// Width of the weights, in scales, after an occupation was split: most far readings have left by then.
+/// Width of the weights, in spreads, after an occupation was split: most far readings have left by then.
 const WIDE_AGAIN: f64 = 4.0;
 
 /// Splits for each station on average; more of them are no interruptions.
@@ -27,8 +27,8 @@ impl Search {
         loop {
             let zeros = self.network.zero_of_readings();
             self.let_go(widest, |tests| distances_from_neighbours(tests, &zeros))?;
-            let (tests, scale) = self.tests()?;
-            let Some(step) = self.step(&tests.readings, scale) else {
+            let (tests, spread) = self.tests()?;
+            let Some(step) = self.step(&tests.readings, spread) else {
                 return Ok(());
             };
             if self.network.interruptions.len() == MOST_SPLITS * self.network.stations.len() {
@@ -44,30 +44,30 @@ impl Search {
 
     /// The most significant step that is an interruption, if any is; one that is less significant
     /// than a single reading may come from that.
-    pub(super) fn step(&mut self, tests: &[ReadingTest], scale: f64) -> Option<StepTest> {
+    pub(super) fn step(&mut self, tests: &[ReadingTest], spread: f64) -> Option<StepTest> {
         if self.never_split {
             return None;
         }
-        let (steps, rows) = self.significant_steps(tests, scale)?;
+        let (steps, rows) = self.significant_steps(tests, spread)?;
         let solution = self.solution.as_deref()?;
         steps.into_iter().find(|step| {
-            Rivals::of(step, (&self.network, solution), &rows, scale)
+            Rivals::of(step, (&self.network, solution), &rows, spread)
                 .is_interruption(self.cuts_what_wanders)
         })
     }
 
     /// The stations whose zeros wander: a step of them would be significant, but is not needed.
     pub(super) fn wandering_zeros(&mut self) -> Result<Vec<WanderingZero>, Error> {
-        let (tests, scale) = self.tests()?;
+        let (tests, spread) = self.tests()?;
         if self.never_split || self.cuts_what_wanders {
             return Ok(Vec::new());
         }
-        let significant = self.significant_steps(&tests.readings, scale);
+        let significant = self.significant_steps(&tests.readings, spread);
         let (Some((steps, rows)), Some(solution)) = (significant, self.solution.as_deref()) else {
             return Ok(Vec::new());
         };
         let wandering = steps.into_iter().filter_map(|step| {
-            let rivals = Rivals::of(&step, (&self.network, solution), &rows, scale);
+            let rivals = Rivals::of(&step, (&self.network, solution), &rows, spread);
             let rms_mm = rivals.wandering_mm()?;
             Some(WanderingZero {
                 station: step.station,
@@ -82,7 +82,7 @@ impl Search {
     fn significant_steps(
         &mut self,
         tests: &[ReadingTest],
-        scale: f64,
+        spread: f64,
     ) -> Option<(Vec<StepTest>, Whitened)> {
         let mut rows = None;
         if self.largest_steps.is_none() {
@@ -95,7 +95,7 @@ impl Search {
         let largest_reading = taking_part
             .filter(|&(_, &factor)| factor <= 1.0)
             .fold(0.0_f64, |largest, (test, _)| largest.max(test.w.abs()));
-        let limit = (self.limit(STEPS_LEVEL) * scale).max(largest_reading);
+        let limit = (self.limit(STEPS_LEVEL) * spread).max(largest_reading);
         steps.retain(|step| step.w.abs() > limit && step.before.min(step.after) >= LEAST_STEP);
         steps.sort_by(|a, b| b.w.abs().total_cmp(&a.w.abs()));
         if steps.is_empty() {
@@ -120,7 +120,7 @@ impl Search {
     /// Seeks the instant of each interruption again, now that all good readings have full weight.
     pub(super) fn place_interruptions(&mut self) -> Result<(), Error> {
         self.excluded.clear();
-        let (_, scale) = self.tests()?;
+        let (_, spread) = self.tests()?;
         for interruption in self.network.interruptions.clone() {
             self.network.interruptions.retain(|i| *i != interruption);
             self.solve()?;
@@ -134,7 +134,7 @@ impl Search {
             let best = of_station.max_by(|a, b| a.w.abs().total_cmp(&b.w.abs()));
             let first_reading = best.map_or(interruption.first_reading, |s| s.first_reading);
             let excluded = best
-                .map(|step| Rivals::of(&step, (&self.network, solution), &rows, scale).excluded());
+                .map(|step| Rivals::of(&step, (&self.network, solution), &rows, spread).excluded());
             self.split(interruption.station, first_reading);
             let placed = Interruption {
                 first_reading,
@@ -148,13 +148,13 @@ impl Search {
     }
 
     /// The split with the least significant jump, if that is not significant.
-    pub(super) fn weakest_split(&self, scale: f64) -> Option<usize> {
+    pub(super) fn weakest_split(&self, spread: f64) -> Option<usize> {
         let solution = self.solution.as_ref()?;
         let all = jumps(&self.network, solution).into_iter().enumerate();
         let sizes = all.map(|(split, jump)| (split, jump.change_mm.abs() / jump.u_mm));
         let weakest = sizes.min_by(|a, b| a.1.total_cmp(&b.1));
         let (split, size) = weakest?;
-        (size <= self.limit(STEPS_LEVEL) * scale).then_some(split)
+        (size <= self.limit(STEPS_LEVEL) * spread).then_some(split)
     }
 
     /// Takes back splits that separate nothing: all readings on one side of them have left.

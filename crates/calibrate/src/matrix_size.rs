@@ -1,13 +1,13 @@
-//! Tables that would not fit.
+//! Matrices that would not fit.
 
 use crate::Error;
 
-/// Largest table that is made, GiB.
+/// Largest matrix that is made, GiB.
 const LIMIT_GIB: f64 = 1.0;
 
-/// Refuses a table of numbers that is too large; `instead` says what to do.
+/// Refuses a matrix of numbers that is too large; `instead` says what to do.
 pub(crate) fn check_size(
-    table: impl FnOnce() -> String,
+    matrix: impl FnOnce() -> String,
     [rows, columns]: [usize; 2],
     instead: &'static str,
 ) -> Result<(), Error> {
@@ -16,7 +16,7 @@ pub(crate) fn check_size(
         return Ok(());
     }
     Err(Error::TooLarge {
-        table: table(),
+        matrix: matrix(),
         gib,
         limit_gib: LIMIT_GIB,
         instead,
@@ -29,9 +29,9 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_refused_with_its_size() {
-        let table = || "the covariance".to_owned();
-        assert_eq!(check_size(table, [11_585; 2], "leave it out"), Ok(()));
-        let refused = check_size(table, [40_000; 2], "leave it out").unwrap_err();
+        let matrix = || "the covariance".to_owned();
+        assert_eq!(check_size(matrix, [11_585; 2], "leave it out"), Ok(()));
+        let refused = check_size(matrix, [40_000; 2], "leave it out").unwrap_err();
         let text = refused.to_string();
         let says = "the covariance takes 11.9 GiB, at most 1 GiB are made; leave it out";
         assert_eq!(text, says);
