@@ -19,7 +19,7 @@
 //!    pair may be a typing error or a broken beam, which is the calibration's business and only a
 //!    notice here; a unit is wrong for most pairs of a run, or most pairs of a station.
 //! 2. **Lengths that change too little** ([`least_spread`]). One station may see next to nothing of a
-//!    motion: a turntable about the line of sight, an axis across the beam. What it cannot
+//!    motion: a rotary table that turns about the line of sight, an axis across the beam. What it cannot
 //!    do is see nothing of motions in three directions; the bound proved in [`moments`] holds for
 //!    every place of the station. A campaign without three directions is refused only if all its
 //!    stations, three or more, see less than a two-hundredth of the motion: they would all stand on

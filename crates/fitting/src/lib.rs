@@ -20,7 +20,7 @@
 //! use trueaxis_fitting::{axis_location, fit_common_axis};
 //! use trueaxis_kinematics::Axis;
 //!
-//! // A turntable turns two targets by 10 degrees at a time, a fifth of a turn in all, about
+//! // A rotary table turns two targets by 10 degrees at a time, a fifth of a turn in all, about
 //! // an axis that stands 20 µm off along x and leans by 50 µrad about y.
 //! let targets = [Vector3::new(120.0, 10.0, 40.0), Vector3::new(-60.0, 70.0, 90.0)];
 //! let centre = Point3::new(0.020, 0.0, 0.0);

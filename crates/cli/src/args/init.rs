@@ -26,6 +26,6 @@ pub(crate) enum MachineType {
     Fxyz,
     /// X, Y and Z move the tool, A and C the workpiece.
     FiveAxis,
-    /// A turntable, C.
+    /// A rotary table, C.
     RotaryStage,
 }

@@ -89,7 +89,7 @@ fn what_no_axis_makes_stays() {
     }
 }
 
-/// A turntable alone corrects its angle.
+/// A rotary table alone corrects its angle.
 #[test]
 fn a_table_corrects_its_angle() {
     let table = calibrated(&scenario(TABLE), false);
