@@ -38,6 +38,8 @@ pub struct Circumstances<'a> {
     pub positions: &'a [f64],
     /// Where the target is.
     pub point_mm: Point3<f64>,
+    /// How the stage stands against home, where that was measured; of any other the commanded positions say it.
+    pub stage: Option<Rotation3<f64>>,
     /// Centroid of the targets that sit on the same stage.
     pub centroid_mm: Point3<f64>,
     /// Distance from the station to the target.
@@ -64,16 +66,18 @@ impl<'a> Circumstances<'a> {
             speed_per_s: 0.0,
             positions: &[],
             point_mm: Point3::origin(),
+            stage: None,
             centroid_mm: Point3::origin(),
             distance_mm: 0.0,
             temperatures: &[],
         }
     }
 
-    /// Orientation of the target's stage against home, from the commanded positions.
+    /// Orientation of the target's stage against home.
     pub fn ref_from_stage(&self) -> Rotation3<f64> {
-        let motion = self.machine.motion(&Ideal, self.carrier, self.positions);
-        motion.rotation.to_rotation_matrix()
+        let commanded = || self.machine.motion(&Ideal, self.carrier, self.positions);
+        self.stage
+            .unwrap_or_else(|| commanded().rotation.to_rotation_matrix())
     }
 
     /// Whether an axis moves the target.

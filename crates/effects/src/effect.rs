@@ -201,13 +201,13 @@ impl Parameter {
     /// How a station moves: the three components of a vector. Where there are no stations but the frame in which
     /// an instrument measures coordinates, it also turns: `<name>_a`, `_b`, `_c` in arcsec about the reference axes
     /// through the origin of the reference frame, where the vector is its displacement.
-    pub(crate) fn of_station(name: &str, scene: &Scene) -> Vec<Self> {
+    pub(crate) fn of_station(name: &str, scene: &Scene, most: MostOfFrame) -> Vec<Self> {
         let along = Self::vector(name, "um");
         if !scene.stations.is_empty() {
             return along;
         }
-        let about = |axis| Self::new(format!("{name}_{axis}"), "arcsec").plausible(FRAME_ARCSEC);
-        let along = along.into_iter().map(|p| p.plausible(FRAME_UM));
+        let about = |axis| Self::new(format!("{name}_{axis}"), "arcsec").plausible(most.arcsec);
+        let along = along.into_iter().map(|p| p.plausible(most.um));
         along.chain(["a", "b", "c"].map(about)).collect()
     }
 
@@ -217,9 +217,24 @@ impl Parameter {
     }
 }
 
+/// Plausible motions of the frame of an instrument.
+#[derive(Clone, Copy)]
+pub(crate) struct MostOfFrame {
+    um: [f64; 2],
+    arcsec: [f64; 2],
+}
+
 /// Five millimetres, or five in a metre: whoever bumps an instrument by more sets it up again.
-const FRAME_UM: [f64; 2] = [-5e3, 5e3];
-const FRAME_ARCSEC: [f64; 2] = [-1e3, 1e3];
+pub(crate) const BUMPED: MostOfFrame = MostOfFrame {
+    um: [-5e3, 5e3],
+    arcsec: [-1e3, 1e3],
+};
+
+/// One, or one in a metre: what gives way by itself.
+pub(crate) const CREPT: MostOfFrame = MostOfFrame {
+    um: [-1e3, 1e3],
+    arcsec: [-200.0, 200.0],
+};
 
 /// An effect in the words of a calibration engineer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

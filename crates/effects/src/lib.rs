@@ -64,6 +64,7 @@ pub use catalogue::{
 };
 pub use circumstances::Circumstances;
 pub use displaced::Displaced;
+pub(crate) use effect::{BUMPED, CREPT};
 pub use effect::{Effect, Explanation, Layer, Level, Parameter};
 pub use effects_file::{EffectsFile, ResolvedEffects};
 pub use error::{Error, Problem};

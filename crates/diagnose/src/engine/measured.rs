@@ -4,8 +4,8 @@ use trueaxis_effects::{ResolvedEffect, Scene, Shape};
 use trueaxis_selection::{Fit, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
 use crate::Error;
-use crate::engine::Culprit;
 use crate::engine::disturbance::Wanderer;
+use crate::engine::{Culprit, plausible};
 
 /// Data of one kind with their base model.
 pub(crate) trait Measured: Sync {
@@ -64,9 +64,9 @@ pub(crate) trait Measured: Sync {
     /// What a cause makes responsible.
     fn culprit(&self, suspect: &Suspect) -> Culprit;
 
-    /// Whether values outside the plausible range of its parameters rule a hypothesis out.
-    fn is_limited(_: &Hypothesis) -> bool {
-        true
+    /// The range of each parameter of a hypothesis, outside which a value rules it out.
+    fn plausible(&self, hypothesis: &Hypothesis) -> Vec<Option<[f64; 2]>> {
+        plausible(hypothesis, self.scene())
     }
 
     /// Whether a hypothesis cannot be told from a leader that it explains at least half as much as.

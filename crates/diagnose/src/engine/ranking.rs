@@ -34,10 +34,10 @@ impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
         let mut scores = std::mem::take(&mut ranking.scores);
         scores.retain(|score| {
             let hypothesis = ranking.hypothesis(score);
-            let plausible = plausible(hypothesis, data.scene());
+            let plausible = data.plausible(hypothesis);
             let is_free = plausible.iter().all(Option::is_none);
             // Whitened with the noise: of unit variance.
-            is_free || !D::is_limited(hypothesis) || ranking.fit(score).is_possible(&plausible, 1.0)
+            is_free || ranking.fit(score).is_possible(&plausible, 1.0)
         });
         ranking.scores = scores;
         ranking

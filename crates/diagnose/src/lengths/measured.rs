@@ -4,7 +4,7 @@ use trueaxis_effects::{Layer, Scene, Shape};
 use trueaxis_selection::{DECISIVE, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
 use crate::Error;
-use crate::engine::{Culprit, Measured, Suspect, duration_s, in_equal_ratios};
+use crate::engine::{Culprit, Measured, Suspect, duration_s, in_equal_ratios, plausible};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::swapped::swapped;
@@ -129,8 +129,11 @@ impl Measured for Base<'_> {
     }
 
     /// A temperature of the machine may have any coefficient, the refractive index of air may not.
-    fn is_limited(hypothesis: &Hypothesis) -> bool {
-        hypothesis.subject.column.is_some() && hypothesis.effect.layer == Layer::Instrument
+    fn plausible(&self, hypothesis: &Hypothesis) -> Vec<Option<[f64; 2]>> {
+        let is_limited =
+            hypothesis.subject.column.is_some() && hypothesis.effect.layer == Layer::Instrument;
+        let ranges = plausible(hypothesis, &self.scene).into_iter();
+        ranges.map(|range| range.filter(|_| is_limited)).collect()
     }
 
     /// A temperature that was logged is an observation: what explains the data better than time does, does so

@@ -8,7 +8,9 @@
 //! dp = δ + ε × (p - pivot) + R dh
 //! ```
 
-use nalgebra::{Isometry3, Matrix3, Matrix3x6, Point3, SymmetricEigen, Translation3, Vector3};
+use nalgebra::{
+    Isometry3, Matrix3, Matrix3x6, Point3, Rotation3, SymmetricEigen, Translation3, Vector3,
+};
 use trueaxis_campaign::{Campaign, Points};
 use trueaxis_effects::{Circumstances, Displaced, ResolvedEffect, Scene};
 use trueaxis_kinematics::{Ideal, best_fit};
@@ -166,6 +168,9 @@ impl<'a> Base<'a> {
     pub(crate) fn at(&self, i: usize) -> Circumstances<'_> {
         let reading = &self.readings.all[i];
         let [point_mm, centroid_mm] = self.places_mm[i];
+        // As it stands, not as it should: a displacement out of the plane of three targets, which turns with them, is then part of the
+        // poses, and nothing of it is left for the errors of their angles to show.
+        let stage = self.reference_from_rows() * self.by_shape[i];
         Circumstances {
             machine: &self.scene.machine,
             time_s: reading.time_s,
@@ -181,6 +186,9 @@ impl<'a> Base<'a> {
             speed_per_s: reading.speed_per_s,
             positions: &self.campaign.steps[reading.step].positions,
             point_mm,
+            stage: reading
+                .pose
+                .map(|_| Rotation3::from_matrix_unchecked(stage)),
             centroid_mm,
             distance_mm: 0.0,
             temperatures: &[],

@@ -1,6 +1,6 @@
 //! What the points are to the search for causes.
 
-use trueaxis_effects::{Scene, Shape};
+use trueaxis_effects::{Parameter, Scene, Shape};
 use trueaxis_selection::{ALIKE, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
 use crate::Error;
@@ -14,6 +14,10 @@ const TIME_CONSTANTS: i32 = 20;
 const SHORTEST: f64 = 0.01;
 const LONGEST: f64 = 3.0;
 const LEAST_STOPS: f64 = 3.0;
+
+/// Plausible displacements, at once and by and by: those of a frame.
+const FARTHEST_UM: [f64; 2] = [-5e3, 5e3];
+const CREPT_UM: [f64; 2] = [-1e3, 1e3];
 
 impl Measured for Base<'_> {
     type Model = Model;
@@ -81,6 +85,20 @@ impl Measured for Base<'_> {
     fn refit_near(&self, near: &Model, suspects: Vec<Suspect>) -> Result<Model, Error> {
         let model = Model::with(self, &self.columns_of(&suspects), near.noise, None);
         Ok(model.fitted(self, suspects))
+    }
+
+    /// A displacement without a range of its own is no larger than that of a frame that somebody bumped: what is farther off is another
+    /// point, and all is linear here.
+    fn plausible(&self, hypothesis: &Hypothesis) -> Vec<Option<[f64; 2]>> {
+        let of = hypothesis
+            .effect
+            .parameters(self.scene, &hypothesis.subject);
+        let farthest_um = match hypothesis.effect.shape {
+            Shape::Instant => FARTHEST_UM,
+            _ => CREPT_UM,
+        };
+        let range = |p: &Parameter| p.plausible.or((p.unit == "um").then_some(farthest_um));
+        of.iter().map(range).collect()
     }
 
     /// The machine as a whole and the frame of the instrument are one course in time.

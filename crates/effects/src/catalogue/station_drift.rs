@@ -6,14 +6,16 @@
 //! Where coordinates are measured there are no stations: the frame of the instrument moves by these at the origin of the
 //! reference frame, and turns by `creep_a`, `creep_b`, `creep_c` in arcsec about the reference axes.
 
-use crate::{Effect, Explanation, Form, Layer, Level, MICROMETRE, Parameter, Shape, Subject};
+use crate::{
+    CREPT, Effect, Explanation, Form, Layer, Level, MICROMETRE, Parameter, Shape, Subject,
+};
 
 pub(super) const EFFECT: Effect = Effect {
     id: "station_drift",
     layer: Layer::Setup,
     levels: &[Level::Lengths, Level::Points],
     subjects: Subject::each_station_and_all,
-    parameters: |scene, _| Parameter::of_station("creep", scene),
+    parameters: |scene, _| Parameter::of_station("creep", scene, CREPT),
     shape: Shape::Fixed,
     form: Form::Station(|of| MICROMETRE * of.at.occupation_progress),
     explanation: Explanation {

@@ -5,14 +5,16 @@
 //! Where coordinates are measured there are no stations: the frame of the instrument moves by these at the origin of the
 //! reference frame, and turns by `jump_a`, `jump_b`, `jump_c` in arcsec about the reference axes.
 
-use crate::{Effect, Explanation, Form, Layer, Level, MICROMETRE, Parameter, Shape, Subject};
+use crate::{
+    BUMPED, Effect, Explanation, Form, Layer, Level, MICROMETRE, Parameter, Shape, Subject,
+};
 
 pub(super) const EFFECT: Effect = Effect {
     id: "station_jump",
     layer: Layer::Setup,
     levels: &[Level::Lengths, Level::Points],
     subjects: Subject::each_station_or_frame,
-    parameters: |scene, _| Parameter::of_station("jump", scene),
+    parameters: |scene, _| Parameter::of_station("jump", scene, BUMPED),
     shape: Shape::Instant,
     form: Form::Station(|_| MICROMETRE),
     explanation: Explanation {

@@ -301,6 +301,7 @@ impl LengthCircumstances {
                 speed_per_s: self.speed_per_s,
                 positions: &campaign.steps[self.step].positions,
                 point_mm,
+                stage: None,
                 centroid_mm: centroid(&solution.points_mm[network.groups[self.group].clone()]),
                 distance_mm,
                 temperatures,
