@@ -5,15 +5,16 @@
 //! row to one target, or from one station, are no accidents at all.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
-use trueaxis_campaign::{Campaign, Lengths};
+use trueaxis_campaign::{Campaign, Lengths, Stop};
 use trueaxis_effects::Shape;
 use trueaxis_leastsquares::median;
 use trueaxis_multilateration::Network;
 use trueaxis_poses::{Group, LengthCircumstances as Reading, length_circumstances};
 use trueaxis_screening::{Removed, is_concentrated};
 
-use crate::engine::Suspect;
+use crate::engine::{Suspect, most};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 
@@ -142,8 +143,15 @@ const LONG: i32 = 10;
 /// Rows that accidents make in a campaign, at most, in the mean.
 const ACCIDENTAL_ROWS: f64 = 0.01;
 
+/// Stops in a row that are no accidents, as many as a jump has on its far side; a machine may be read too early at fewer.
+const STOPS_IN_A_ROW: usize = 4;
+
+/// Part of the stops that may be such accidents.
+const FEW_STOPS: f64 = 0.01;
+
 /// Those of some readings (ascending) that follow each other, ascending: as many to one target as accidents hardly ever are (three where
-/// one in a hundred is wrong, four at two), or one more from one station.
+/// one in a hundred is wrong, four at two), or one more from one station. A stop that is off as a whole is one accident, but at
+/// neither end of what a station read, where a tripod settles, or moved.
 fn in_a_row(numbers: &[usize], lengths: &Lengths) -> Vec<usize> {
     let all = lengths.readings.len() as f64;
     let share = numbers.len() as f64 / all.max(1.0);
@@ -152,9 +160,25 @@ fn in_a_row(numbers: &[usize], lengths: &Lengths) -> Vec<usize> {
     let least = usize::try_from(least.unwrap_or(LONG)).unwrap_or(usize::MAX);
     let mut rows: BTreeMap<(usize, Option<usize>), Vec<usize>> = BTreeMap::new();
     let mut found = Vec::new();
+    let is_one = |number: usize| numbers.binary_search(&number).is_ok();
+    let is_whole = |stop: &&Stop| stop.readings.len() > 1 && stop.readings.clone().all(is_one);
+    let whole = lengths.stops.iter().filter(is_whole).count();
+    let are_few = whole <= most(FEW_STOPS, lengths.stops.len());
+    // Of each station whether any stop was in order yet, and the row of those that were not.
+    let mut stops: BTreeMap<usize, (bool, Vec<Range<usize>>)> = BTreeMap::new();
     for stop in &lengths.stops {
+        let (is_after, whole) = stops.entry(stop.station).or_default();
+        if are_few && is_whole(&stop) {
+            whole.push(stop.readings.clone());
+            if !*is_after || whole.len() >= STOPS_IN_A_ROW {
+                found.extend(whole.iter().cloned().flatten());
+            }
+            continue;
+        }
+        whole.clear();
+        *is_after = true;
         for number in stop.readings.clone() {
-            let is_one = numbers.binary_search(&number).is_ok();
+            let is_one = is_one(number);
             let target = lengths.readings[number].target;
             for (of, least) in [(Some(target), least), (None, least + 1)] {
                 let row = rows.entry((stop.station, of)).or_default();
@@ -168,7 +192,55 @@ fn in_a_row(numbers: &[usize], lengths: &Lengths) -> Vec<usize> {
             }
         }
     }
+    let at_the_end = stops.into_values().flat_map(|(_, whole)| whole);
+    found.extend(at_the_end.flatten());
     found.sort_unstable();
     found.dedup();
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use trueaxis_campaign::{Direction, LengthReading};
+
+    use super::*;
+
+    /// Stops of three targets from one station.
+    fn lengths(stops: usize) -> Lengths {
+        let reading = |number: usize| LengthReading {
+            time_s: number as f64,
+            target: number % 3,
+            length_mm: 0.0,
+            line: number + 2,
+        };
+        let stop = |step: usize| Stop {
+            station: 0,
+            repeat: 1,
+            step,
+            direction: Direction::Forward,
+            readings: 3 * step..3 * step + 3,
+        };
+        Lengths {
+            stops: (0..stops).map(stop).collect(),
+            readings: (0..3 * stops).map(reading).collect(),
+            logged: Vec::new(),
+        }
+    }
+
+    /// A machine that had not arrived at three stops is three accidents; a tripod that stood elsewhere at four is none, nor is a target
+    /// that was elsewhere at four.
+    #[test]
+    fn stops_as_a_whole_are_one_accident_each() {
+        let lengths = lengths(600);
+        let three: Vec<usize> = (30..39).collect();
+        assert_eq!(in_a_row(&three, &lengths), [0; 0]);
+        let four: Vec<usize> = (30..42).collect();
+        assert_eq!(in_a_row(&four, &lengths), four);
+        let first: Vec<usize> = (0..6).collect();
+        assert_eq!(in_a_row(&first, &lengths), first);
+        let last: Vec<usize> = (1794..1800).collect();
+        assert_eq!(in_a_row(&last, &lengths), last);
+        let of_one_target: Vec<usize> = (0..4).map(|stop| 30 + 3 * stop).collect();
+        assert_eq!(in_a_row(&of_one_target, &lengths), of_one_target);
+    }
 }

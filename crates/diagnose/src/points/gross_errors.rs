@@ -33,8 +33,10 @@ const AT_ONCE: f64 = 0.5;
 /// Of two points of one step that stand out by so nearly the same either may be wrong.
 const ALIKE: f64 = 0.9;
 
-/// As many wrong points in a row of one target are no accidents.
+/// As many wrong points in a row of one target are no accidents; nor are so many stops, fewer than a jump has on its far side: a machine
+/// may be read too early at some in a row.
 const IN_A_ROW: usize = 3;
+const STOPS_IN_A_ROW: usize = 4;
 
 /// A point, or all those of a stop, that contradict the others.
 #[derive(Debug, Clone)]
@@ -196,12 +198,19 @@ pub(crate) fn are_accidents(gross: &[Gross], base: &Base<'_>, points: &Points) -
         return false;
     }
     // In measuring order, target by target.
-    let mut in_a_row = vec![0; base.scene.targets.len()];
-    points.readings.iter().enumerate().all(|(number, reading)| {
+    let mut in_a_row = vec![[0, 1]; base.scene.targets.len()];
+    let mut readings = points.readings.iter().enumerate();
+    let are_few = readings.all(|(number, reading)| {
         let row = &mut in_a_row[reading.target];
-        let mut wrong = gross.iter().flat_map(|g| &g.points);
-        let is_gross = wrong.any(|w| w.number == number && w.target == reading.target);
-        *row = if is_gross { *row + 1 } else { 0 };
-        *row < IN_A_ROW
-    })
+        let is_own = |w: &Wrong| w.number == number && w.target == reading.target;
+        let own = gross.iter().find(|g| g.points.iter().any(is_own));
+        *row = match own {
+            Some(gross) if gross.points.len() > 1 => [row[0], row[1] + 1],
+            Some(_) => [row[0] + 1, row[1] + 1],
+            None => [0; 2],
+        };
+        row[0] < IN_A_ROW && row[1] < STOPS_IN_A_ROW
+    });
+    // At either end of the table a frame may have jumped: one stop less.
+    are_few && in_a_row.iter().all(|row| row[1] + 1 < STOPS_IN_A_ROW)
 }
