@@ -7,7 +7,7 @@ use crate::Rival;
 use crate::engine::{Candidate, Chosen, Posterior, SMOOTH_LEVEL, Smooth, without};
 use crate::extremes::extremes;
 use crate::verification::form::Form;
-use crate::verification::lost_motion::beyond_drives;
+use crate::verification::lost_motion::{self, beyond_drives};
 use crate::verification::problem::Problem;
 use crate::verification::wandered::curve;
 use crate::verification::wanderer::{Wanderer, wanderers};
@@ -33,6 +33,11 @@ pub(crate) fn wandering(plain: &Problem<'_>, causes: &[Chosen]) -> Vec<FittedPro
     let mut all = wanderers(plain.comparison, plain.calibrated);
     if beyond_drives(plain, causes).is_some() {
         all.retain(|wanderer| !wanderer.is_of_time());
+    }
+    // There one of the two is both, and with the other one beside it of any size and slope.
+    let changes = |cause: &Chosen| plain.listed.hypothesis(cause).effect.id == lost_motion::EFFECT;
+    if plain.comparison.is_position_after_position() && causes.iter().any(changes) {
+        all.retain(|wanderer| *wanderer != Wanderer::SidesInTime);
     }
     let mut own: Vec<FittedProcess> = Vec::new();
     // Each round adds one, and one that another makes superfluous leaves at most once.
