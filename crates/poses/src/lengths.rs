@@ -1,6 +1,7 @@
 //! From lengths to poses or to points.
 
 mod adjustment;
+mod alike;
 mod at_one_temperature;
 mod circumstances;
 mod common_value;

@@ -2,12 +2,13 @@
 
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::chi_squared_upper_tail;
-use trueaxis_screening::{Jump, NoiseBasis, PartEstimate, WanderingZero};
+use trueaxis_screening::{Jump, NoiseBasis, PartEstimate, Screened, WanderingZero};
 
 use crate::lengths::LengthsAdjustment;
+use crate::lengths::alike::alike;
 use crate::report::{
     AdjustmentReport, InterruptedOccupation, NoiseReport, PartReport, RejectedLength,
-    approached_from_both_sides,
+    approached_from_both_sides, p_in_words,
 };
 use crate::words::{length_in_words, stop_of};
 
@@ -80,6 +81,7 @@ impl LengthsAdjustment<'_> {
                     .to_owned(),
             );
         }
+        notices.extend(self.alike());
         notices.extend(self.wandering_zeros());
         let changed = !screened.removed.is_empty() || !screened.jumps.is_empty();
         if both_sides && changed && !report.is_contradicted() {
@@ -94,6 +96,21 @@ impl LengthsAdjustment<'_> {
             notices.push(format!("the largest residual is that of {worst}"));
         }
         notices
+    }
+
+    /// What all repeats of a stop have alike, and what it does to U.
+    fn alike(&self) -> Option<String> {
+        let Screened {
+            network, solution, ..
+        } = &self.screened;
+        let alike = alike(network, solution)?;
+        Some(format!(
+            "repeats of a stop agree with each other {:.1} times as well as with the model ({}): what they have alike is no noise, but U takes \
+             it for noise and is too small by a factor of about {:.1}; `trueaxis diagnose` looks for it",
+            alike.ratio,
+            p_in_words(alike.p_value),
+            alike.factor
+        ))
     }
 
     /// Zeros that wander; those of most stations do not wander by chance.
