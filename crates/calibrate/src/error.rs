@@ -8,8 +8,8 @@ pub enum Error {
     Poses(#[from] trueaxis_poses::Error),
     /// The component errors did not settle.
     #[error(
-        "the component errors did not settle after {passes} passes (last change {change_mm:.1e} mm): \
-         the measured motion is far from the nominal one; check the direction and position of axis {axis}"
+        "the component errors did not settle after {passes} passes (last change {change_mm:.1e} mm, of axis {axis}): the measured motion is far \
+         from the nominal one; check direction, sign and position of all axes: where one is reversed another may fit worst"
     )]
     NotSettled {
         /// Passes made.

@@ -27,7 +27,8 @@
 //! 3. **Lengths against `approx_mm`** ([`approx`]), where all stations have it: another unit, or
 //!    another station's place, must fit twenty times better before anything is said.
 //!
-//! Points have no free station: the distances of measured points must be the nominal ones, in both directions.
+//! Points have no free station: the distances of measured points must be the nominal ones, in both directions; and those within a stop
+//! tell names that are exchanged ([`exchanged`]).
 //!
 //! For data that fail, the usual mistakes ([`hypothesis`]) are tried; the one with which the data
 //! pass is named in the error. Positions in another unit explain data only if they are then still
@@ -36,6 +37,7 @@
 mod approx;
 mod copies;
 mod dead_paths;
+mod exchanged;
 mod hypothesis;
 mod least_spread;
 mod logged;
@@ -126,12 +128,17 @@ pub(crate) fn check_points(
     let nominal = NominalPoints::new(campaign, &given);
     let pairs = Pairs::of_points(points, campaign, &nominal);
     let judgement = pairs.judge(&nominal, &given);
+    let mut notices = exchanged::notices(name, campaign, points, &nominal);
     let Some(worst) = judgement.worst else {
-        return Ok(Vec::new());
+        return Ok(notices);
     };
     let nominal_mm = nominal.distance_mm(worst);
     if judgement.runs.is_empty() {
-        return Ok(vec![isolated(name, campaign, worst, nominal_mm)]);
+        // Names that are exchanged say it better.
+        if notices.is_empty() {
+            notices.push(isolated(name, campaign, worst, nominal_mm));
+        }
+        return Ok(notices);
     }
     let explains = |hypothesis: &Hypothesis| {
         let nominal = NominalPoints::new(campaign, hypothesis);

@@ -292,3 +292,21 @@ fn known_dead_paths_leave_distances_positive() {
         ],
     );
 }
+
+#[test]
+fn points_under_each_others_names_are_said() {
+    let mut files = table_points();
+    files.lines("points.csv", |lines| {
+        for line in &mut lines[10..22] {
+            *line = match line.contains(",P,") {
+                true => line.replace(",P,", ",K,"),
+                false => line.replace(",K,", ",P,"),
+            };
+        }
+    });
+    let said = notices(&files);
+    assert_eq!(said.len(), 1, "{said:?}");
+    let expected =
+        "points.csv lines 11 to 22: targets `P` and `K` have each other's names at 4 of 17 stops";
+    assert!(said[0].starts_with(expected), "{said:?}");
+}
