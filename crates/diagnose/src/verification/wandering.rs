@@ -1,13 +1,13 @@
 //! What wanders beside causes: judged as in the lengths, by its evidence ([`Smooth`]) and a p-value of all together.
 
-use trueaxis_effects::{CROSS_COUPLING, Layer, Shape};
+use trueaxis_effects::{CROSS_COUPLING, Layer, POSITION_DEPENDENT_BACKLASH, Shape};
 use trueaxis_selection::{ALIKE, DECISIVE, Fit, Hypothesis, Projection, by_evidence, ln_f_test};
 
 use crate::Rival;
 use crate::engine::{Candidate, Chosen, Posterior, SMOOTH_LEVEL, Smooth, without};
 use crate::extremes::extremes;
 use crate::verification::form::Form;
-use crate::verification::lost_motion::{self, beyond_drives};
+use crate::verification::lost_motion::beyond_drives;
 use crate::verification::problem::Problem;
 use crate::verification::wandered::curve;
 use crate::verification::wanderer::{Wanderer, wanderers};
@@ -35,7 +35,8 @@ pub(crate) fn wandering(plain: &Problem<'_>, causes: &[Chosen]) -> Vec<FittedPro
         all.retain(|wanderer| !wanderer.is_of_time());
     }
     // There one of the two is both, and with the other one beside it of any size and slope.
-    let changes = |cause: &Chosen| plain.listed.hypothesis(cause).effect.id == lost_motion::EFFECT;
+    let effect = |cause: &Chosen| plain.listed.hypothesis(cause).effect;
+    let changes = |cause: &Chosen| effect(cause) == POSITION_DEPENDENT_BACKLASH;
     if plain.comparison.is_position_after_position() && causes.iter().any(changes) {
         all.retain(|wanderer| *wanderer != Wanderer::SidesInTime);
     }
