@@ -6,8 +6,8 @@ use trueaxis_poses::{Error, MeasuredPoses, Method, PoseNoise, Settings, measure}
 use trueaxis_simulate::{Scenario, simulate};
 
 const SCENARIOS: [&str; 2] = [
-    include_str!("../../../campaigns/rotary-stage/scenario.json"),
-    include_str!("../../../campaigns/fxyz/scenario.json"),
+    include_str!("../../../../campaigns/rotary-stage/scenario.json"),
+    include_str!("../../../../campaigns/fxyz/scenario.json"),
 ];
 
 /// The largest of some hundred differences, in standard uncertainties.

@@ -1,7 +1,5 @@
 //! Steps whose targets do not move as a rigid triangle, and those where a station does not see one of them.
 
-#![expect(clippy::print_stdout, reason = "statistical tests show their counts")]
-
 use nalgebra::{Point3, Vector3};
 use trueaxis_campaign::Lengths;
 use trueaxis_poses::{Method, Settings, measure};
@@ -10,7 +8,7 @@ use trueaxis_simulate::{Scenario, Simulated, simulate};
 /// Campaigns with two repeats of a three-axis machine, whose first target the first station does not see. The others
 /// and the target are in one plane in the midst of a run, so that lengths hardly tell where it is there.
 fn hidden(seed: u64) -> Simulated {
-    let text = include_str!("../../../campaigns/fxyz/scenario.json");
+    let text = include_str!("../../../../campaigns/fxyz/scenario.json");
     let mut scenario = Scenario::from_json(text).unwrap();
     scenario.repeats = 2;
     scenario.stations[3].position_mm[2] = 41.0;
@@ -90,7 +88,7 @@ fn a_target_that_a_station_does_not_see_is_no_misfit() {
 /// It is one test, whatever makes the poses, and however far the target was off.
 #[test]
 fn a_target_that_was_far_off_makes_no_other_step_fail() {
-    let text = include_str!("../../../campaigns/fxyz/scenario.json");
+    let text = include_str!("../../../../campaigns/fxyz/scenario.json");
     let mut simulated = simulate(&Scenario::from_json(text).unwrap(), 3).unwrap();
     move_target(&mut simulated, Vector3::new(0.0, 0.02, 0.0));
     for (method, robust) in [

@@ -1,7 +1,5 @@
 //! What repeats of a stop have alike is no noise.
 
-#![expect(clippy::print_stdout, reason = "statistical tests show their counts")]
-
 use std::f64::consts::TAU;
 
 use trueaxis_campaign::Campaign;
@@ -10,7 +8,7 @@ use trueaxis_simulate::{Scenario, simulate};
 
 /// A campaign of two repeats without declared noise.
 fn undeclared(seed: u64) -> Campaign {
-    let text = include_str!("../../../campaigns/fxyz/scenario.json");
+    let text = include_str!("../../../../campaigns/fxyz/scenario.json");
     let mut scenario = Scenario::from_json(text).unwrap();
     scenario.repeats = 2;
     let mut campaign = simulate(&scenario, seed).unwrap().campaign;
