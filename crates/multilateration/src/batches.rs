@@ -15,6 +15,7 @@ use crate::pieces::{in_parallel, pieces};
 use crate::reflectors::contrast;
 use crate::slots::{Layout, SlotVisit, Slots};
 use crate::state::POSE;
+use crate::turning::LaneTurning;
 use crate::{Bodies, Error};
 
 /// Up to eight groups.
@@ -29,6 +30,8 @@ pub(crate) struct Batch {
     are_alike: bool,
     /// Whether they stand on the bed.
     pub(crate) is_bed: bool,
+    /// What they come back turned about.
+    pub(crate) turning: Option<LaneTurning>,
     /// The first point of the group in each lane; lanes without a group repeat the last one.
     pub(crate) first_points: [usize; LANES],
     pub(crate) layout: Arc<Layout>,
@@ -110,6 +113,7 @@ fn piece(
                 of_groups.iter().all(|g| g.places == of_groups[0].places)
             }),
             is_bed: network.bed == Some(groups.start),
+            turning: LaneTurning::of(network, groups),
             first_points: std::array::from_fn(|lane| first + points * lane.min(last)),
             layout,
             lengths_mm: vec![Lanes::ZERO; count],

@@ -23,6 +23,8 @@ pub(crate) struct Beam {
     /// Unit vector from the station to the point.
     pub(crate) unit: LaneVector,
     pub(crate) distance_mm: Lanes,
+    /// [`LaneTurning::lever`](crate::turning::LaneTurning::lever); zero where nothing turns.
+    pub(crate) lever: Lanes,
     /// Observed minus computed length, mm.
     pub(crate) residual_mm: Lanes,
 }
@@ -55,9 +57,14 @@ impl Beams {
                     lanes_only();
                     constant = h.mul_add(Lanes::splat(*a), constant);
                 }
+                let unit = times(beam_mm, per_distance);
+                let turning = batch.turning.as_ref();
                 self.of_slots[slot] = Beam {
-                    unit: times(beam_mm, per_distance),
+                    unit,
                     distance_mm,
+                    lever: turning.map_or(Lanes::ZERO, |turning| {
+                        turning.lever(unit, at(&self.points, point))
+                    }),
                     residual_mm: batch.lengths_mm[slot] + dead_path - constant - distance_mm,
                 };
             }
@@ -84,10 +91,11 @@ impl Beams {
         squares * Lanes::mask(batch.groups.len())
     }
 
-    /// Cosine of the angle between the beams of two slots.
+    /// Covariance of the lengths of two slots through the return of the machine, over its variance.
     #[inline(always)]
-    pub(crate) fn cosine(&self, slot: usize, other: usize) -> Lanes {
-        dot(self.of_slots[slot].unit, self.of_slots[other].unit)
+    pub(crate) fn returning(&self, slot: usize, other: usize) -> Lanes {
+        let (a, b) = (&self.of_slots[slot], &self.of_slots[other]);
+        a.lever.mul_add(b.lever, dot(a.unit, b.unit))
     }
 }
 

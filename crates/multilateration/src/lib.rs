@@ -60,6 +60,7 @@ mod start;
 mod state;
 mod tie;
 mod trials;
+mod turning;
 mod undetermined;
 mod visit_weights;
 mod whitened;
@@ -81,4 +82,5 @@ pub use solve::{
 };
 pub use start::Start;
 pub use trials::{Corrections, Trials, Workspace};
+pub use turning::Turning;
 pub use whitened::Whitened;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use nalgebra::Point3;
 
 use crate::noise::factor_len;
-use crate::{Bodies, Error, Noise, Reflectors};
+use crate::{Bodies, Error, Noise, Reflectors, Turning};
 
 /// Lengths between stations and points.
 ///
@@ -42,6 +42,8 @@ pub struct Network {
     /// The group of the targets on the bed, if there is one: the machine does not return to it, so that its lengths
     /// have no repeatability error.
     pub bed: Option<usize>,
+    /// The axis that the points of each group come back turned about, too; none where no group has one.
+    pub turning: Option<Arc<Vec<Option<Turning>>>>,
     /// Dead paths that are known, at most one for each station.
     pub dead_paths: Vec<KnownDeadPath>,
 }
@@ -137,6 +139,12 @@ impl Network {
         }
         if let Some(bodies) = &self.bodies {
             bodies.check(&self.groups)?;
+        }
+        if let Some(turning) = &self.turning
+            && turning.len() != self.groups.len()
+        {
+            let (axes, groups) = (turning.len(), self.groups.len());
+            return malformed(format!("{axes} axes of turning for {groups} groups"));
         }
         if let Some(reflectors) = &self.reflectors {
             reflectors.check(self.nominal_mm.len())?;

@@ -7,6 +7,9 @@
 //! C = diag(σ_l²) + σ_m² U Uᵀ        U: unit vectors station -> point, one row for each length
 //! ```
 //!
+//! With [`Turning`](crate::Turning) it also turns them about an axis: `U` has a fourth column, the lever of the beam
+//! times the ratio of the standard deviations of angle and coordinate.
+//!
 //! Lengths are whitened visit by visit with the Cholesky factor of `C`, so correlation costs
 //! nothing beyond a matrix of a few rows.
 

@@ -18,6 +18,7 @@ mod shared_sources;
 mod side_by_side;
 mod side_difference;
 mod targets_that_moved;
+mod turning;
 mod weak_stations;
 
 pub use adjustment::LengthsAdjustment;

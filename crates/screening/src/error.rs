@@ -45,7 +45,7 @@ pub enum Error {
 
 impl Error {
     /// Whether lengths contradict each other too much.
-    pub(crate) fn is_contradiction(&self) -> bool {
+    pub fn is_contradiction(&self) -> bool {
         matches!(
             self,
             Self::TooManyGrossErrors { .. } | Self::PartLost { .. } | Self::Undecidable { .. }

@@ -5,7 +5,7 @@
     reason = "statistical claims are printed with their counts"
 )]
 
-mod angular_lost_motion;
+mod angular_repeatability;
 mod bed;
 mod contradicting_runs;
 mod coupled_axes;
@@ -19,6 +19,7 @@ mod gross_errors;
 mod ideal_observer;
 mod interruptions;
 mod known;
+mod lost_motion;
 mod machines;
 mod mistakes;
 mod nests;

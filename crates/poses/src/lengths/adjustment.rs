@@ -3,7 +3,7 @@
 use nalgebra::{DVector, Matrix6, Point3};
 use rayon::prelude::*;
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_kinematics::centroid;
+use trueaxis_kinematics::{ARCSEC, centroid};
 use trueaxis_multilateration::{
     BlockNoise, Network, Solution, Station, adjust_as_a_set, solve_as_a_set,
 };
@@ -15,6 +15,7 @@ use crate::lengths::refused::{adjustment_error, contradictory, screening_error};
 use crate::lengths::scale::{Scale, ScaleResult, at_scale};
 use crate::lengths::shared_sources::SharedSources;
 use crate::lengths::side_by_side::side_by_side;
+use crate::lengths::turning::Returns;
 use crate::points::{MeasuredPoints, PointGroup, PointNoise};
 use crate::poses::{PoseNoise, PoseObservation, Poses, TargetBody};
 use crate::report::KnownMisfit;
@@ -66,6 +67,7 @@ impl<'a> LengthsAdjustment<'a> {
             network.bodies = None;
         }
         let declared = campaign.instrument.declares_noise();
+        let reflectors_known = network.reflectors.clone();
         let adjusted = adjust_as_a_set(
             &mut network,
             |screened: &Screened| &screened.solution,
@@ -74,10 +76,25 @@ impl<'a> LengthsAdjustment<'a> {
                 false => Screened::plain(network, declared),
             },
         );
+        if adjusted.is_err() {
+            // Whether the constants are known was not found out.
+            network.reflectors = reflectors_known;
+        }
+        let returns = Returns {
+            campaign,
+            lengths,
+            network: &network,
+            groups: &groups,
+        };
+        let turning = returns.found(settings, adjusted.as_ref());
+        let (ratios, adjusted) = match turning {
+            Some((ratios, turning)) => (ratios, Ok(turning)),
+            None => (Vec::new(), adjusted),
+        };
+        let apart = side_by_side(&returns, settings, &ratios, adjusted.as_ref());
+        let screened = apart.map_or(adjusted, Ok);
         let screened =
-            adjusted.map_err(|error| screening_error(campaign, lengths, &groups, error))?;
-        let apart = side_by_side(campaign, lengths, settings, &network, &screened);
-        let screened = apart.unwrap_or(screened);
+            screened.map_err(|error| screening_error(campaign, lengths, &groups, error))?;
         let mut adjustment = Self {
             campaign,
             lengths,
@@ -89,9 +106,25 @@ impl<'a> LengthsAdjustment<'a> {
             known_misfits: Vec::new(),
         };
         let mut notices = adjustment.check()?;
+        notices.extend(adjustment.turning(&ratios));
         notices.extend(adjustment.uneven());
         adjustment.take_known(bodies)?;
         Ok((adjustment, notices))
+    }
+
+    /// Axes that miss their steps by another angle at each visit.
+    fn turning(&self, ratios: &[f64]) -> Vec<String> {
+        let axes = self.campaign.machine.axes().iter().zip(ratios);
+        let turning = axes.filter(|(_, ratio)| **ratio > 0.0);
+        let said = turning.map(|(axis, ratio)| {
+            format!(
+                "axis {}: it stops turned by another angle each time, {:.1}″ (standard deviation) beyond what the repeatability of a coordinate \
+                 explains: U contains it; see whether its worm or its clamping is worn",
+                axis.name(),
+                ratio * self.screened.network.noise.repeatability_mm / ARCSEC
+            )
+        });
+        said.collect()
     }
 
     /// Stations whose lengths scatter more than those of the others.
