@@ -78,7 +78,19 @@ fn off_steps(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Vec<Part> {
             is_between,
         ),
     ];
-    found.into_iter().flatten().collect()
+    let mut found: Vec<Part> = found.into_iter().flatten().collect();
+    let measured = campaign.machine.axes().iter().zip(&steps);
+    let homeless: Vec<&str> = measured
+        .filter(|(_, own)| is_beyond(own, 0.0))
+        .map(|(axis, _)| axis.name())
+        .collect();
+    if !homeless.is_empty() {
+        found.push(Err(format!(
+            "way from home to the steps of {}: all their errors are relative to the step next to home",
+            homeless.join(", ")
+        )));
+    }
+    found
 }
 
 /// Whether a position lies outside some steps (rising).

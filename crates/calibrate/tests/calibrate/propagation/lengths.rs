@@ -133,3 +133,16 @@ fn an_axis_parked_beyond_its_steps_is_said_not_to_be_in_u() {
         "{said}"
     );
 }
+
+/// Errors are those from home on; without a step there nothing tells its part of them, and a prediction had no word of it.
+#[test]
+fn the_way_from_home_to_the_steps_is_said_not_to_be_in_u() {
+    let said = |first_of_x: f64| {
+        let mut scenario = two_branches();
+        scenario.runs[0].positions = Some(vec![first_of_x, 60.0, 210.0, 400.0]);
+        let calibration = calibrate(&simulated(&scenario), &settings(Method::Joint)).unwrap();
+        let mut lacks = calibration.uncertainty.lacks.iter();
+        lacks.any(|part| part.starts_with("way from home to the steps of X:"))
+    };
+    assert!(!said(0.0) && said(10.0));
+}
