@@ -18,7 +18,7 @@ use nalgebra::{Point3, Vector3};
 use trueaxis_campaign::{Campaign, Direction, Lengths};
 use trueaxis_kinematics::{AxisKind, Ideal};
 use trueaxis_leastsquares::{dot, median};
-use trueaxis_multilateration::{Network, Turning, Whitened};
+use trueaxis_multilateration::{Network, Noise, Turning, Whitened};
 use trueaxis_screening::{Error, Screened, screen_within};
 
 use crate::lengths::network::Group;
@@ -36,6 +36,9 @@ const OF_MEDIAN: f64 = 2.33;
 const PLAIN: f64 = 4.0;
 const LIKELY: f64 = 2.0;
 const SETTLED: f64 = 0.2;
+
+/// Part of what a turn does to a length in its noise that takes no stop away at first, where those that show it may all have left.
+const EXCUSED: f64 = 10.0;
 
 /// Visits of an axis below which nothing is said.
 const LEAST_VISITS: usize = 16;
@@ -87,8 +90,18 @@ impl Returns<'_> {
         };
         let mut ratios = vec![0.0; self.campaign.machine.axes().len()];
         let is_plain = self.improve(&lines, &found, &mut ratios, PLAIN);
-        if !is_plain && (limit == 0 || !self.improve(&lines, &found, &mut ratios, LIKELY)) {
-            return None;
+        let is_likely = is_plain || limit > 0 && self.improve(&lines, &found, &mut ratios, LIKELY);
+        if !is_likely {
+            if limit == 0 || !declared {
+                return None;
+            }
+            let noise = together.map_or(self.network.noise, |screened| screened.network.noise);
+            self.excuse(&lines, &found, noise, &mut ratios);
+            let network = Network {
+                noise,
+                ..self.with(&ratios)
+            };
+            found = Cow::Owned(screen_within(&network, true, settings.most_removed).ok()?);
         }
         for _ in 0..SEARCHES {
             let again = |ratios: &[f64], found: &Screened| {
@@ -112,9 +125,44 @@ impl Returns<'_> {
                 break;
             }
         }
+        if !is_likely {
+            let mut none = vec![0.0; ratios.len()];
+            let shown = Screened::as_found(self.network, declared, &found).ok()?;
+            if !self.improve(&lines, &shown, &mut none, PLAIN) {
+                return None;
+            }
+        }
         let turns = ratios.iter().any(|ratio| *ratio > 0.0);
         let explains = wrong(&found) < limit || is_plain && wrong(&found) == limit;
         (turns && explains).then(|| (ratios, found.into_owned()))
+    }
+
+    /// Ratios at which a turn excuses [`EXCUSED`] times the noise of a length.
+    fn excuse(
+        &self,
+        lines: &[Option<(usize, Turning)>],
+        adjusted: &Screened,
+        noise: Noise,
+        ratios: &mut [f64],
+    ) {
+        let mut levers_mm = vec![Vec::new(); ratios.len()];
+        let (network, solution) = (&adjusted.network, &adjusted.solution);
+        for visit in &network.visits {
+            let Some((axis, line)) = &lines[visit.group] else {
+                continue;
+            };
+            let station_mm = solution.stations[visit.station].position_mm;
+            for reading in &network.readings[visit.readings.clone()] {
+                let point_mm = solution.points_mm[network.point(visit.group, reading.point)];
+                levers_mm[*axis].push(lever_mm(line, station_mm, point_mm).abs());
+            }
+        }
+        let sigma_mm = noise.length_sigma_mm.hypot(noise.repeatability_mm);
+        for (levers_mm, ratio) in levers_mm.iter_mut().zip(ratios) {
+            let large = median(levers_mm).map(|lever_mm| EXCUSED * sigma_mm / lever_mm);
+            let own = large.map(|angle| angle / noise.repeatability_mm);
+            *ratio = own.filter(|ratio| ratio.is_finite()).unwrap_or(0.0);
+        }
     }
 
     /// The network whose axes return so.
