@@ -13,9 +13,11 @@
 
 use std::collections::HashMap;
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use trueaxis_leastsquares::f_upper_tail;
 use trueaxis_multilateration::{Network, Solution, Visit};
+
+use crate::lengths::turning::lever_mm;
 
 /// Degrees of freedom on either side below which nothing is said.
 const LEAST_DEGREES: f64 = 10.0;
@@ -80,13 +82,22 @@ fn differences(network: &Network, solution: &Solution, repeats: &[&Visit]) -> Op
     let mean = all.iter().sum::<DVector<f64>>() / all.len() as f64;
     let station_mm = solution.stations[repeats[0].station].position_mm;
     let points = points(network, repeats[0]).into_iter();
-    let beams: Vec<Vector3<f64>> = points.map(|p| solution.points_mm[p] - station_mm).collect();
+    let places: Vec<Point3<f64>> = points.map(|p| solution.points_mm[p]).collect();
+    let beams: Vec<Vector3<f64>> = places.iter().map(|place| place - station_mm).collect();
+    let turning = network.turning.as_ref();
+    let turning = turning.and_then(|all| all[repeats[0].group]);
+    let lever =
+        |place: &Point3<f64>| turning.map_or(0.0, |turning| lever_mm(&turning, station_mm, *place));
+    let levers: Vec<f64> = places.iter().map(lever).collect();
     let returns = network.noise.repeatability_mm.powi(2);
     let on_bed = network.bed == Some(repeats[0].group);
     let covariance = DMatrix::from_fn(mean.len(), mean.len(), |i, k| {
         let together = match on_bed {
             true => 0.0,
-            false => returns * beams[i].normalize().dot(&beams[k].normalize()),
+            false => {
+                let displaced = beams[i].normalize().dot(&beams[k].normalize());
+                returns * (displaced + levers[i] * levers[k])
+            }
         };
         let own = network.noise.length_sigma_at_mm(beams[i].norm()).powi(2);
         together + if i == k { own } else { 0.0 }

@@ -284,7 +284,7 @@ fn wrong(screened: &Screened) -> usize {
 }
 
 /// By how much a length changes for a turn about an axis, mm/rad.
-fn lever_mm(line: &Turning, station_mm: Point3<f64>, point_mm: Point3<f64>) -> f64 {
+pub(crate) fn lever_mm(line: &Turning, station_mm: Point3<f64>, point_mm: Point3<f64>) -> f64 {
     let moved: Vector3<f64> = line.rad_per_mm.cross(&(point_mm - line.point_mm));
     (point_mm - station_mm).normalize().dot(&moved)
 }
