@@ -80,12 +80,7 @@ impl<'a> LengthsAdjustment<'a> {
             // Whether the constants are known was not found out.
             network.reflectors = reflectors_known;
         }
-        let returns = Returns {
-            campaign,
-            lengths,
-            network: &network,
-            groups: &groups,
-        };
+        let returns = Returns::new(campaign, lengths, (&network, &groups));
         let turning = returns.found(settings, adjusted.as_ref());
         let (ratios, adjusted) = match turning {
             Some((ratios, turning)) => (ratios, Ok(turning)),

@@ -55,12 +55,7 @@ pub(crate) fn side_by_side(
         apart.bodies = None;
     }
     let joined = returns.with(ratios);
-    let of_sides = Returns {
-        network: &apart,
-        groups: &of_sides.groups,
-        ..*returns
-    };
-    apart = of_sides.with(ratios);
+    apart = Returns::new(campaign, lengths, (&apart, &of_sides.groups)).with(ratios);
     if let (Some(own), Some(of_all)) = (&mut apart.reflectors, &joined.reflectors) {
         Arc::make_mut(own).sigma_mm = of_all.sigma_mm;
     }

@@ -51,12 +51,12 @@ const STEPS: usize = 10;
 const SEARCHES: usize = 4;
 
 /// How rotary axes return.
-#[derive(Clone, Copy)]
 pub(crate) struct Returns<'a> {
     pub(crate) campaign: &'a Campaign,
     pub(crate) lengths: &'a Lengths,
     pub(crate) network: &'a Network,
-    pub(crate) groups: &'a [Group],
+    /// For each group the rotary axis that its run moves, with the unit vector along it.
+    lines: Vec<Option<(usize, Turning)>>,
 }
 
 /// A turn about its axis at a visit.
@@ -67,7 +67,37 @@ struct Turn {
     e: f64,
 }
 
-impl Returns<'_> {
+impl<'a> Returns<'a> {
+    /// Of the axes that the runs of some groups of the network move.
+    pub(crate) fn new(
+        campaign: &'a Campaign,
+        lengths: &'a Lengths,
+        (network, groups): (&'a Network, &[Group]),
+    ) -> Self {
+        let machine = &campaign.machine;
+        let of_group = |group: &Group| {
+            let step = &campaign.steps[group.step];
+            let axis = campaign.runs[step.run?].axis;
+            let moving = &machine.axes()[axis];
+            if !group.moved || moving.kind() != AxisKind::Rotary {
+                return None;
+            }
+            let before = machine.chain(axis).iter().rev().nth(1).copied();
+            let base = machine.motion(&Ideal, before, &step.positions);
+            let turning = Turning {
+                point_mm: base * moving.point_mm(),
+                rad_per_mm: base * moving.direction().into_inner(),
+            };
+            Some((axis, turning))
+        };
+        Self {
+            campaign,
+            lengths,
+            network,
+            lines: groups.iter().map(of_group).collect(),
+        }
+    }
+
     /// For each axis of the machine the ratio of the standard deviations of angle and coordinate (rad/mm), and the
     /// adjustment with it; none if no axis turns, or if more is wrong then than in `together`.
     pub(crate) fn found(
@@ -75,8 +105,7 @@ impl Returns<'_> {
         settings: &Settings,
         together: Result<&Screened, &Error>,
     ) -> Option<(Vec<f64>, Screened)> {
-        let lines = self.lines();
-        if lines.iter().all(Option::is_none) || settings.asks_why || !settings.robust {
+        if self.lines.iter().all(Option::is_none) || settings.asks_why || !settings.robust {
             return None;
         }
         let declared = self.campaign.instrument.declares_noise();
@@ -89,14 +118,14 @@ impl Returns<'_> {
             Err(_) => return None,
         };
         let mut ratios = vec![0.0; self.campaign.machine.axes().len()];
-        let is_plain = self.improve(&lines, &found, &mut ratios, PLAIN);
-        let is_likely = is_plain || limit > 0 && self.improve(&lines, &found, &mut ratios, LIKELY);
+        let is_plain = self.improve(&found, &mut ratios, PLAIN);
+        let is_likely = is_plain || limit > 0 && self.improve(&found, &mut ratios, LIKELY);
         if !is_likely {
             if limit == 0 || !declared {
                 return None;
             }
             let noise = together.map_or(self.network.noise, |screened| screened.network.noise);
-            self.excuse(&lines, &found, noise, &mut ratios);
+            self.excuse(&found, noise, &mut ratios);
             let network = Network {
                 noise,
                 ..self.with(&ratios)
@@ -109,7 +138,7 @@ impl Returns<'_> {
             };
             let mut adjusted = again(&ratios, &found)?;
             for _ in 0..STEPS {
-                if !self.improve(&lines, &adjusted, &mut ratios, PLAIN) {
+                if !self.improve(&adjusted, &mut ratios, PLAIN) {
                     break;
                 }
                 adjusted = again(&ratios, &found)?;
@@ -128,7 +157,7 @@ impl Returns<'_> {
         if !is_likely {
             let mut none = vec![0.0; ratios.len()];
             let shown = Screened::as_found(self.network, declared, &found).ok()?;
-            if !self.improve(&lines, &shown, &mut none, PLAIN) {
+            if !self.improve(&shown, &mut none, PLAIN) {
                 return None;
             }
         }
@@ -138,17 +167,11 @@ impl Returns<'_> {
     }
 
     /// Ratios at which a turn excuses [`EXCUSED`] times the noise of a length.
-    fn excuse(
-        &self,
-        lines: &[Option<(usize, Turning)>],
-        adjusted: &Screened,
-        noise: Noise,
-        ratios: &mut [f64],
-    ) {
+    fn excuse(&self, adjusted: &Screened, noise: Noise, ratios: &mut [f64]) {
         let mut levers_mm = vec![Vec::new(); ratios.len()];
         let (network, solution) = (&adjusted.network, &adjusted.solution);
         for visit in &network.visits {
-            let Some((axis, line)) = &lines[visit.group] else {
+            let Some((axis, line)) = &self.lines[visit.group] else {
                 continue;
             };
             let station_mm = solution.stations[visit.station].position_mm;
@@ -167,15 +190,15 @@ impl Returns<'_> {
 
     /// The network whose axes return so.
     pub(crate) fn with(&self, ratios: &[f64]) -> Network {
-        let of_group = |line: Option<(usize, Turning)>| {
-            let (axis, line) = line?;
+        let of_group = |line: &Option<(usize, Turning)>| {
+            let (axis, line) = (*line)?;
             let ratio = *ratios.get(axis)?;
             (ratio > 0.0).then(|| Turning {
                 rad_per_mm: line.rad_per_mm * ratio,
                 ..line
             })
         };
-        let turning: Vec<Option<Turning>> = self.lines().into_iter().map(of_group).collect();
+        let turning: Vec<Option<Turning>> = self.lines.iter().map(of_group).collect();
         Network {
             turning: turning
                 .iter()
@@ -185,38 +208,11 @@ impl Returns<'_> {
         }
     }
 
-    /// For each group the rotary axis that its run moves, with the unit vector along it.
-    fn lines(&self) -> Vec<Option<(usize, Turning)>> {
-        let machine = &self.campaign.machine;
-        let of_group = |group: &Group| {
-            let step = &self.campaign.steps[group.step];
-            let axis = self.campaign.runs[step.run?].axis;
-            let moving = &machine.axes()[axis];
-            if !group.moved || moving.kind() != AxisKind::Rotary {
-                return None;
-            }
-            let before = machine.chain(axis).iter().rev().nth(1).copied();
-            let base = machine.motion(&Ideal, before, &step.positions);
-            let turning = Turning {
-                point_mm: base * moving.point_mm(),
-                rad_per_mm: base * moving.direction().into_inner(),
-            };
-            Some((axis, turning))
-        };
-        self.groups.iter().map(of_group).collect()
-    }
-
     /// Steps towards the ratios that the residuals show; false if none of them differs. `limit` is that of axes that did not turn.
-    fn improve(
-        &self,
-        lines: &[Option<(usize, Turning)>],
-        adjusted: &Screened,
-        ratios: &mut [f64],
-        limit: f64,
-    ) -> bool {
+    fn improve(&self, adjusted: &Screened, ratios: &mut [f64], limit: f64) -> bool {
         let sigma_mm = adjusted.network.noise.repeatability_mm;
         let mut improved = false;
-        for (turns, ratio) in self.turns(lines, adjusted).iter().zip(ratios) {
+        for (turns, ratio) in self.turns(adjusted).iter().zip(ratios) {
             let part = median(&mut turns.iter().map(|turn| turn.e).collect::<Vec<f64>>());
             let (Some(excess), Some(part)) = (excess(turns), part.filter(|_| sigma_mm > 0.0))
             else {
@@ -237,14 +233,14 @@ impl Returns<'_> {
     }
 
     /// The turns of each axis at the visits of its runs.
-    fn turns(&self, lines: &[Option<(usize, Turning)>], adjusted: &Screened) -> Vec<Vec<Turn>> {
+    fn turns(&self, adjusted: &Screened) -> Vec<Vec<Turn>> {
         let (network, solution) = (&adjusted.network, &adjusted.solution);
         let whitened = Whitened::new(network, solution);
         let mut turns: Vec<Vec<Turn>> = Vec::new();
         turns.resize_with(self.campaign.machine.axes().len(), Vec::new);
         for (number, visit) in network.visits.iter().enumerate() {
             let rows = visit.readings.clone();
-            let Some((axis, line)) = lines[visit.group].filter(|_| !rows.is_empty()) else {
+            let Some((axis, line)) = self.lines[visit.group].filter(|_| !rows.is_empty()) else {
                 continue;
             };
             let station_mm = solution.stations[visit.station].position_mm;
