@@ -63,7 +63,7 @@ pub(crate) use competition::{
     Candidates, Competed, add_rival_disturbances, compete, only_wandering, settled,
 };
 pub(crate) use culprit::{Culprit, Culprits};
-pub(crate) use estimated::{cause, derivative, with_uncertainties};
+pub(crate) use estimated::{ByShape, cause, derivative, with_uncertainties};
 pub(crate) use held_out::{FOLDS, HeldOut, Sums, resampled_ratios, sought_again};
 pub(crate) use hypotheses::{duration_s, in_equal_ratios, is_tested, of_catalogue, scan, scans};
 pub(crate) use listed::{Beside, Chosen, Judged, Listed, without};

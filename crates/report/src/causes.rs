@@ -311,7 +311,7 @@ fn parameters(cause: &Cause) -> String {
         };
         match u.filter(|u| *u > 0.0) {
             Some(u) => {
-                let digits = decimals(COVERAGE * u).min(3);
+                let digits = decimals(COVERAGE * u);
                 format!(
                     "{name} {} ± {}{unit}{}",
                     with_sign(value, digits),

@@ -20,17 +20,17 @@ pub(crate) fn normal_quantile(probability: f64) -> f64 {
     Normal::standard().inverse_cdf(probability)
 }
 
-/// Two significant digits of `uncertainty`, at most four decimals.
+/// Two significant digits of `uncertainty`, at most six decimals.
 pub(crate) fn decimals(uncertainty: f64) -> usize {
-    match uncertainty.abs() {
+    if uncertainty.is_infinite() {
         // It says nothing about the digits.
-        f64::INFINITY => 1,
-        u if u >= 9.95 => 0,
-        u if u >= 0.995 => 1,
-        u if u >= 0.0995 => 2,
-        u if u >= 0.009_95 => 3,
-        _ => 4,
+        return 1;
     }
+    let limits = [9.95, 0.995, 0.0995, 9.95e-3, 9.95e-4, 9.95e-5];
+    limits
+        .iter()
+        .take_while(|limit| uncertainty.abs() < **limit)
+        .count()
 }
 
 /// With a real minus sign, and no negative zero.

@@ -125,14 +125,10 @@ fn plain(parameter: &EstimatedParameter) -> String {
     }
 }
 
-/// Two digits of the uncertainty, at most three decimals.
+/// Two digits of the uncertainty, at most six decimals.
 fn decimals(expanded: f64) -> usize {
-    match expanded {
-        u if u >= 9.95 => 0,
-        u if u >= 0.995 => 1,
-        u if u >= 0.0995 => 2,
-        _ => 3,
-    }
+    let limits = [9.95, 0.995, 0.0995, 9.95e-3, 9.95e-4, 9.95e-5];
+    limits.iter().take_while(|limit| expanded < **limit).count()
 }
 
 /// A unit as it stands behind a value.

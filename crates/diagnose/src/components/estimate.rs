@@ -21,7 +21,7 @@ use crate::components::candidates::{
 };
 use crate::components::curve_set::CurveSet;
 use crate::components::judgement::ln_sum;
-use crate::engine::derivative;
+use crate::engine::{ByShape, derivative};
 use trueaxis_effects::Shape;
 
 /// An effect with its values.
@@ -64,14 +64,17 @@ pub(crate) fn estimate(
         for _ in 0..MAX_STEPS {
             let derivative = derivative(columns_at, mean.rows(0, linear).as_slice(), free);
             columns = columns_at(free);
-            columns.push(derivative);
+            let Some(by_shape) = ByShape::new(derivative, &columns) else {
+                break;
+            };
+            columns.push(by_shape.column);
             (mean, covariance) = mixture(backgrounds, &columns);
-            u_shape = covariance[(linear, linear)].max(0.0).sqrt();
+            u_shape = covariance[(linear, linear)].max(0.0).sqrt() * by_shape.unit;
             let limit = match kind {
                 Shape::Waves(_) => waves_apart(set).unwrap_or_default(),
                 _ => spacing(set, free),
             };
-            let step = mean[linear].clamp(-limit, limit);
+            let step = (mean[linear] * by_shape.unit).clamp(-limit, limit);
             free = (free + step).clamp(low.min(free), high);
             if step.abs() <= STEP_TOL * u_shape {
                 break;

@@ -5,6 +5,7 @@
 //! uncertainty.
 
 use trueaxis_effects::{Parameter, ResolvedEffect, Scene, Shape, shape_parameter};
+use trueaxis_leastsquares::dot;
 use trueaxis_selection::{Fit, Hypothesis};
 
 use crate::engine::wandered::whose;
@@ -112,13 +113,18 @@ fn with_time_constant<D: Measured>(
     let step = STEP * suspect.shape.max(STEP * duration_s(&data.visits()));
     let ends = [(suspect.shape - step).max(0.0), suspect.shape + step];
     let ends = ends.map(|shape| (shape, at(shape)));
-    all.push(by_shape(ends, &suspect.parameters, D::bare(model).rows()));
+    let column = by_shape(ends, &suspect.parameters, D::bare(model).rows());
+    let Some(by_shape) = ByShape::new(column, &all) else {
+        return (suspect.covariance.clone(), f64::INFINITY);
+    };
+    all.push(by_shape.column);
     let is_other = |s: &&Suspect| !s.hypothesis.is(&suspect.hypothesis);
     let others = D::suspects(model).iter().filter(is_other);
     let others: Vec<Vec<f64>> = others
         .flat_map(|s| columns(&s.hypothesis, s.shape))
         .collect();
-    beside_shape(&Fit::new(&D::bare(model).extended(&others), &all), n)
+    let fit = Fit::new(&D::bare(model).extended(&others), &all);
+    beside_shape(&fit, n, by_shape.unit)
 }
 
 /// Parameters of a hypothesis: the linear ones with their values, covariance (rows one after the other), and whether the data see
@@ -185,11 +191,32 @@ pub(crate) fn derivative(
     by_shape(ends, values, rows)
 }
 
-/// Covariance of the first `n` parameters of a fit, and the standard uncertainty of the shape, which is the next one.
-pub(super) fn beside_shape(fit: &Fit, n: usize) -> (Vec<f64>, f64) {
+/// What a shape changes, as a column beside those of the parameters.
+pub(crate) struct ByShape {
+    /// As long as the longest of these: in another unit, what the data see of the parameters would be taken for rounding.
+    pub(crate) column: Vec<f64>,
+    /// What the shape changes by with a unit of the column.
+    pub(crate) unit: f64,
+}
+
+impl ByShape {
+    /// From the derivative by the shape; none if the shape changes nothing.
+    pub(crate) fn new(derivative: Vec<f64>, columns: &[Vec<f64>]) -> Option<Self> {
+        let squares = columns.iter().map(|column| dot(column, column));
+        let unit = (squares.fold(0.0, f64::max) / dot(&derivative, &derivative)).sqrt();
+        unit.is_finite().then(|| Self {
+            column: derivative.iter().map(|d| d * unit).collect(),
+            unit,
+        })
+    }
+}
+
+/// Covariance of the first `n` parameters of a fit, and the standard uncertainty of the shape, whose column ([`ByShape`]) is the
+/// next one.
+pub(super) fn beside_shape(fit: &Fit, n: usize, unit: f64) -> (Vec<f64>, f64) {
     let width = fit.seen.len();
     let u = match fit.seen[n] {
-        true => fit.covariance[n * width + n].sqrt(),
+        true => fit.covariance[n * width + n].sqrt() * unit,
         false => f64::INFINITY,
     };
     let block = (0..n * n).map(|ik| fit.covariance[ik / n * width + ik % n]);

@@ -8,12 +8,11 @@ use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use trueaxis_effects::{Level, Scene};
-use trueaxis_leastsquares::dot;
 use trueaxis_selection::{
     Fit, FixedScan, Hypothesis, Null, Projection, Scan, Score, best_shape, rank,
 };
 
-use crate::engine::estimated::beside_shape;
+use crate::engine::estimated::{ByShape, beside_shape};
 use crate::engine::{Candidate, with_uncertainties};
 use crate::{Cause, Rival};
 
@@ -162,30 +161,24 @@ impl<'a> Listed<'a> {
             first = of_linear.end;
             let values = &linear.estimates[of_linear.clone()];
             let by_shape = candidate.by_shape(values, cause.shape);
-            // What a shape does not change cannot tell it.
-            let by_shape = by_shape.filter(|by_shape| dot(by_shape, by_shape) > 0.0);
+            let by_shape = by_shape.and_then(|by_shape| ByShape::new(by_shape, &own));
             let place = columns.len();
-            // As long as another column, so that what the data see of it is not taken for rounding.
-            let scale = by_shape.as_ref().map(|by_shape| {
-                let squares = own.iter().map(|column| dot(column, column));
-                (squares.fold(0.0, f64::max) / dot(by_shape, by_shape)).sqrt()
-            });
             columns.extend(own.into_owned());
-            columns.extend(by_shape.zip(scale).map(|(mut by_shape, scale)| {
-                by_shape.iter_mut().for_each(|x| *x *= scale);
-                by_shape
-            }));
-            places.push((of_linear, place..columns.len(), scale));
+            let unit = by_shape.map(|by_shape| {
+                columns.push(by_shape.column);
+                by_shape.unit
+            });
+            places.push((of_linear, place..columns.len(), unit));
         }
         let all = Fit::new(&self.base, &columns);
-        let of_cause = |((of_linear, place, scale), cause): ((Range<usize>, _, _), &Chosen)| {
+        let of_cause = |((of_linear, place, unit), cause): ((Range<usize>, _, _), &Chosen)| {
             let (count, joint) = (of_linear.len(), all.part(place));
             let is_limit = || self.candidates[cause.candidate].is_limit(cause.shape);
-            let (covariance, u_shape) = match scale {
+            let (covariance, u_shape) = match unit {
                 None => (joint.covariance, is_limit().then_some(f64::INFINITY)),
-                Some(scale) => {
-                    let (covariance, u) = beside_shape(&joint, count);
-                    (covariance, Some(u * scale))
+                Some(unit) => {
+                    let (covariance, u) = beside_shape(&joint, count, unit);
+                    (covariance, Some(u))
                 }
             };
             Sized {
