@@ -268,6 +268,12 @@ impl CurveSet {
         high - low
     }
 
+    /// Between the first and the last position, mm or rad.
+    pub(crate) fn middle(&self) -> f64 {
+        let [low, high] = extremes(self.nodes.iter().map(|node| node.0));
+        0.5 * (low + high)
+    }
+
     /// The median distance of neighbouring positions, mm or rad.
     pub(crate) fn step(&self) -> f64 {
         step_of(&self.nodes)

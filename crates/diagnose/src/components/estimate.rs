@@ -9,7 +9,10 @@
 //!
 //! A period is found by Gauss-Newton from the best one of the search: the derivative of the effect with
 //! respect to it joins as a column, so that the uncertainties of amplitude, phase and period know of
-//! each other. So are the waves a turn of which only a small part was measured, rounded at the end.
+//! each other. So are the waves a turn of which only a small part was measured, rounded at the end. Meanwhile a wave has its phase in
+//! the middle of the positions, where the period does not move it; at zero it may be turned by any number of waves.
+
+use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 use trueaxis_leastsquares::dot;
@@ -54,12 +57,22 @@ pub(crate) fn estimate(
     candidate: &Candidate,
     shape: f64,
 ) -> Estimate {
-    let columns_at = |shape| set.columns(candidate, shape);
+    let kind = candidate.hypothesis.effect.shape;
+    let middle = match kind {
+        Shape::Period => set.middle(),
+        _ => 0.0,
+    };
+    let columns_at = |shape| {
+        let columns = set.columns(candidate, shape);
+        match kind {
+            Shape::Period => about(&columns, TAU * middle / shape),
+            _ => columns,
+        }
+    };
     let linear = candidate.parameters;
     let mut columns = columns_at(shape);
     let (mut mean, mut covariance) = mixture(backgrounds, &columns);
-    let (mut free, mut u_shape) = (shape, 0.0);
-    let kind = candidate.hypothesis.effect.shape;
+    let (mut free, mut u_shape, mut unit) = (shape, 0.0, 0.0);
     if let Some([low, high]) = range_of_shape(set, kind, shape) {
         for _ in 0..MAX_STEPS {
             let derivative = derivative(columns_at, mean.rows(0, linear).as_slice(), free);
@@ -69,12 +82,13 @@ pub(crate) fn estimate(
             };
             columns.push(by_shape.column);
             (mean, covariance) = mixture(backgrounds, &columns);
-            u_shape = covariance[(linear, linear)].max(0.0).sqrt() * by_shape.unit;
+            unit = by_shape.unit;
+            u_shape = covariance[(linear, linear)].max(0.0).sqrt() * unit;
             let limit = match kind {
                 Shape::Waves(_) => waves_apart(set).unwrap_or_default(),
                 _ => spacing(set, free),
             };
-            let step = (mean[linear] * by_shape.unit).clamp(-limit, limit);
+            let step = (mean[linear] * unit).clamp(-limit, limit);
             free = (free + step).clamp(low.min(free), high);
             if step.abs() <= STEP_TOL * u_shape {
                 break;
@@ -86,15 +100,52 @@ pub(crate) fn estimate(
         _ => free,
     };
     let parameters: Vec<f64> = mean.rows(0, linear).iter().copied().collect();
-    let covariance = covariance.view((0, 0), (linear, linear)).into_owned();
+    let curve = combined(set.values.len(), &columns_at(shape), &parameters);
+    let (parameters, covariance) = match kind {
+        Shape::Period => at_zero(&parameters, &covariance, (TAU * middle, shape, unit)),
+        _ => {
+            let own = covariance.view((0, 0), (linear, linear));
+            (parameters, own.into_owned())
+        }
+    };
     Estimate {
-        curve: combined(set.values.len(), &columns_at(shape), &parameters),
+        curve,
         parameters,
         covariance,
         shape,
         u_shape,
         columns,
     }
+}
+
+/// Columns of sine and cosine about a place from those about zero: `ωx₀` is the angle.
+fn about(columns: &[Vec<f64>], angle: f64) -> Vec<Vec<f64>> {
+    let (sin, cos) = angle.sin_cos();
+    let rows = columns[0].len();
+    [[cos, -sin], [sin, cos]]
+        .map(|factors| combined(rows, columns, &factors))
+        .into()
+}
+
+/// Sine and cosine about zero with their covariance, from those about a place and, where it is estimated, the period: `2πx₀`, the period
+/// and its unit in the covariance.
+fn at_zero(
+    about: &[f64],
+    covariance: &DMatrix<f64>,
+    (turned, period, unit): (f64, f64, f64),
+) -> (Vec<f64>, DMatrix<f64>) {
+    let angle = turned / period;
+    let (sin, cos) = angle.sin_cos();
+    let [s, c] = [
+        about[0] * cos + about[1] * sin,
+        about[1] * cos - about[0] * sin,
+    ];
+    let by_period = -angle / period * unit;
+    let jacobian = [cos, sin, by_period * c, -sin, cos, -by_period * s];
+    let jacobian = DMatrix::from_row_slice(2, 3, &jacobian);
+    let jacobian = jacobian.columns(0, covariance.ncols());
+    let at_zero = &jacobian * covariance * jacobian.transpose();
+    (vec![s, c], at_zero)
 }
 
 /// Between which values a shape is estimated: a period not beyond the travel, nor to where the steps show one phase only; none of what

@@ -283,8 +283,8 @@ fn read_once(
     once
 }
 
-/// Waves of 20 and 1.5 µm with 0.25 and 0.083 mm on a curve of the fourth degree, read every 0.02 mm from 2 to 5 mm, noise 0.5 µm: the
-/// phase at zero hangs on the period, and its uncertainty was a hundredth of the error where the wave is short.
+/// Waves of 20 and 1.5 µm with 0.25 and 0.083 mm on a curve of the fourth degree, read every 0.02 mm over 3 mm, noise 0.5 µm: the
+/// phase at zero hangs on the period, the more the further away the positions are.
 #[test]
 fn a_wave_that_is_short_beside_its_position_has_an_honest_phase() {
     let (mut squares, mut count) = (0.0, 0);
