@@ -211,6 +211,6 @@ pub(crate) fn are_accidents(gross: &[Gross], base: &Base<'_>, points: &Points) -
         };
         row[0] < IN_A_ROW && row[1] < STOPS_IN_A_ROW
     });
-    // At either end of the table a frame may have jumped: one stop less.
+    // At the last end of the table, as at the first (where the count begins with one), a frame may have jumped: one stop less.
     are_few && in_a_row.iter().all(|row| row[1] + 1 < STOPS_IN_A_ROW)
 }
