@@ -8,6 +8,7 @@
 
 mod taken;
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::DMatrix;
@@ -15,6 +16,8 @@ use trueaxis_leastsquares::dot;
 use trueaxis_multilateration::Whitened;
 
 pub(crate) use taken::Taken;
+
+use crate::gram_matrix::concerned;
 
 /// Whitened residuals and the projection that made them. What is as long as the data is shared by all that have it.
 #[derive(Debug, Clone)]
@@ -155,7 +158,7 @@ impl Projection {
 
     /// The projection after columns have joined the base model.
     pub fn extended(&self, columns: &[Vec<f64>]) -> Self {
-        let mut basis: Vec<Vec<f64>> = Vec::new();
+        let mut basis: Vec<(Range<usize>, Vec<f64>)> = Vec::new();
         let (mut residuals, mut squares) = (self.residuals.clone(), self.squares);
         for column in columns {
             let length = dot(column, column).sqrt();
@@ -164,8 +167,9 @@ impl Projection {
             for _ in 0..if self.is_soft { 1 } else { 2 } {
                 let before = left.clone();
                 self.project(&mut left);
-                for unit in &basis {
-                    add(&mut left, unit, -dot(unit, &before));
+                for (rows, unit) in &basis {
+                    let along = dot(&unit[rows.clone()], &before[rows.clone()]);
+                    add(&mut left[rows.clone()], &unit[rows.clone()], -along);
                 }
             }
             // Of a projection the same, with less rounding.
@@ -179,7 +183,7 @@ impl Projection {
                 };
                 add(&mut residuals, &left, -along);
                 squares -= along * along;
-                basis.push(left);
+                basis.push((concerned(&[&left]), left));
             }
         }
         if basis.is_empty() {
@@ -189,7 +193,7 @@ impl Projection {
         let mut shared = Vec::with_capacity(self.rows() * width);
         for i in 0..self.rows() {
             shared.extend_from_slice(self.shared_row(i));
-            shared.extend(basis.iter().map(|unit| unit[i]));
+            shared.extend(basis.iter().map(|(_, unit)| unit[i]));
         }
         Self {
             degrees_of_freedom: self.degrees_of_freedom - basis.len() as f64,

@@ -51,7 +51,7 @@ pub(crate) struct Whitening {
     /// `Qᵀ`, the same for all w of an s.
     turn: Arc<DMatrix<f64>>,
     /// `(Λ + w²)^{-1/2}`.
-    scales: Vec<f64>,
+    pub(crate) scales: Vec<f64>,
 }
 
 /// Ratio of neighbouring sizes: the likelihood of a standard deviation that 20 steps tell has a width

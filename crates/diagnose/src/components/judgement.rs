@@ -13,7 +13,7 @@
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
-use trueaxis_selection::{FixedScan, Gram, Scan, Score};
+use trueaxis_selection::{FixedScan, Gram, Score};
 
 use crate::components::background::Background;
 use crate::components::candidates::Candidate;
@@ -47,15 +47,11 @@ impl Judgement {
     /// of it would not fit into memory.
     pub(crate) fn new(set: &CurveSet, backgrounds: &[Background], candidate: &Candidate) -> Self {
         let raw = columns(set, candidate);
-        let judged = backgrounds.par_chunk_by(Background::is_turned_as);
-        let judged = judged.flat_map(|alike| {
-            let turned = alike[0].whitening.turned_all(&raw);
-            let of_size = move |background| of_size(background, candidate, &turned);
-            alike.par_iter().map(of_size)
-        });
+        let alike = backgrounds.par_chunk_by(Background::is_turned_as);
+        let judged = alike.flat_map_iter(|alike| of_sizes(alike, candidate, &raw));
         let mut tails: Vec<Vec<WithCoordinates>> =
             candidate.shapes.iter().map(|_| Vec::new()).collect();
-        for (shape, tail) in judged.collect::<Vec<_>>().into_iter().flatten() {
+        for (shape, tail) in judged.collect::<Vec<_>>() {
             tails[shape].push(tail);
         }
         let weighed = |tails: Vec<WithCoordinates>| {
@@ -131,23 +127,73 @@ pub(crate) fn scan(
     background: &Background,
     candidate: &Candidate,
 ) -> Option<FixedScan> {
-    let turned = background.whitening.turned_all(&columns(set, candidate));
-    scan_of(background, candidate, &turned)
+    let whitened = |shape: f64| {
+        let columns = set.columns(candidate, shape);
+        let whitened = columns.iter().map(|c| background.whitening.whiten(c));
+        whitened.collect()
+    };
+    FixedScan::new(
+        candidate.hypothesis,
+        &background.projection,
+        &candidate.shapes,
+        whitened,
+    )
 }
 
-/// All shapes under one size of the rest, by their number.
-fn of_size(
-    background: &Background,
+/// All shapes that are seen, by their number, under the sizes of the rest that turn columns alike. As `G = XᵀX - (TᵀX)ᵀ(TᵀX)` with
+/// products of matrices: thousands of columns are whitened for hundreds of sizes.
+fn of_sizes(
+    alike: &[Background],
     candidate: &Candidate,
-    turned: &DMatrix<f64>,
+    raw: &DMatrix<f64>,
 ) -> Vec<(usize, WithCoordinates)> {
+    let n = candidate.parameters;
+    let turned = alike[0].whitening.turned_all(raw).transpose();
+    let pair = |k: usize| (k / (n * n) * n + k / n % n, k / (n * n) * n + k % n);
+    let products = DMatrix::from_fn(turned.nrows() * n, turned.ncols(), |k, row| {
+        let (i, j) = pair(k);
+        turned[(i, row)] * turned[(j, row)]
+    });
+    let variances = DMatrix::from_fn(turned.ncols(), alike.len(), |row, size| {
+        alike[size].whitening.scales[row].powi(2)
+    });
+    let squares = products * variances;
+    // Against the base model, and in the last column of each size against what it leaves.
+    let widths = alike.iter().map(|size| size.projection.shared_width + 1);
+    let width = widths.max().unwrap_or(1);
+    let against = DMatrix::from_fn(turned.ncols(), alike.len() * width, |row, k| {
+        let Background {
+            projection,
+            whitening,
+            ..
+        } = &alike[k / width];
+        let of_size = match k % width {
+            k if k < projection.shared_width => projection.shared_row(row)[k],
+            k if k + 1 == width => projection.residuals[row],
+            _ => 0.0,
+        };
+        whitening.scales[row] * of_size
+    });
+    let along = &turned * against;
     let mut all = Vec::new();
-    let mut shapes = candidate.shapes.iter().enumerate();
-    if let Some(scan) = scan_of(background, candidate, turned) {
-        scan.for_each(&background.projection.residuals, &mut |tried, gram, s| {
-            // Those that are seen come in the order of the list.
-            let number = shapes.find(|(_, own)| same(**own, tried.shape));
-            let coordinates: Vec<(f64, f64)> = gram.standardised(s).collect();
+    for (size, background) in alike.iter().enumerate() {
+        let along = along.columns(size * width, width);
+        for shape in 0..candidate.shapes.len() {
+            let own = |k: usize| squares[(shape * n * n + k, size)];
+            let gram: Vec<f64> = (0..n * n)
+                .map(|k| {
+                    let (i, j) = pair(shape * n * n + k);
+                    let of_base = (0..width - 1).map(|b| along[(i, b)] * along[(j, b)]);
+                    own(k) - of_base.sum::<f64>()
+                })
+                .collect();
+            let before: Vec<f64> = (0..n).map(|k| own(k * n + k)).collect();
+            let gram = Gram::new(&gram, &before);
+            if gram.rank() == 0 {
+                continue;
+            }
+            let s: Vec<f64> = (0..n).map(|k| along[(shape * n + k, width - 1)]).collect();
+            let coordinates: Vec<(f64, f64)> = gram.standardised(&s).collect();
             let tail = Tail {
                 ln_weight: background.ln_weight,
                 statistic: coordinates.iter().map(|(_, z)| z * z).sum(),
@@ -155,8 +201,8 @@ fn of_size(
                 ln_determinant: coordinates.iter().map(|(value, _)| value.ln()).sum(),
                 evidence: 0.0,
             };
-            all.extend(number.map(|(number, _)| (number, (tail, coordinates))));
-        });
+            all.push((shape, (tail, coordinates)));
+        }
     }
     all
 }
@@ -173,36 +219,6 @@ fn columns(set: &CurveSet, candidate: &Candidate) -> DMatrix<f64> {
     let shapes = candidate.shapes.iter();
     let columns: Vec<Vec<f64>> = shapes.flat_map(|&s| set.columns(candidate, s)).collect();
     DMatrix::from_vec(set.values.len(), columns.len(), columns.concat())
-}
-
-/// Whitens the turned columns of all shapes.
-fn scan_of(
-    background: &Background,
-    candidate: &Candidate,
-    turned: &DMatrix<f64>,
-) -> Option<FixedScan> {
-    let length = turned.nrows() * candidate.parameters;
-    let whitened = |shape: f64| {
-        let mut shapes = candidate
-            .shapes
-            .iter()
-            .zip(turned.as_slice().chunks_exact(length));
-        let own = shapes.find(|(own, _)| same(**own, shape));
-        let columns = own.map_or(&[][..], |(_, own)| own);
-        let columns = columns.chunks_exact(turned.nrows());
-        columns.map(|c| background.whitening.scaled(c)).collect()
-    };
-    FixedScan::new(
-        candidate.hypothesis,
-        &background.projection,
-        &candidate.shapes,
-        whitened,
-    )
-}
-
-/// The same shape of the same list.
-fn same(a: f64, b: f64) -> bool {
-    a.to_bits() == b.to_bits()
 }
 
 /// `ln Σ exp x`.

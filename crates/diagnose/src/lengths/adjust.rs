@@ -68,27 +68,7 @@ impl Base<'_> {
                     solution = solve_from(&network, &solution)?;
                 }
             }
-            let (whitened, before_causes) = match near {
-                Some(near) => {
-                    let mut residuals = solution.residuals_mm.clone();
-                    near.whitened.whiten(&mut residuals);
-                    let of_these = near.before_causes.with_residuals(&residuals);
-                    (Arc::clone(&near.whitened), of_these)
-                }
-                None => {
-                    let whitened = Arc::new(Whitened::new(&network, &solution));
-                    let before_causes = self.before_causes(&whitened, &solution);
-                    (whitened, before_causes)
-                }
-            };
-            let mut adjusted = Adjusted {
-                projection: before_causes.clone(),
-                before_causes: Arc::new(before_causes),
-                network,
-                solution,
-                whitened,
-                suspects,
-            };
+            let mut adjusted = self.adjusted(near, network, solution, suspects);
             let is_known = noise.is_some() || self.disturbances.is_empty() || round >= ROUNDS;
             if adjusted.suspects.is_empty() && is_known {
                 return Ok(adjusted);
@@ -136,16 +116,38 @@ impl Base<'_> {
         network.noise = noise;
         self.correct(&mut network, &self.start, &suspects);
         let solution = solve_from(&network, &self.start)?;
-        let whitened = Arc::new(Whitened::new(&network, &solution));
-        let before_causes = self.before_causes(&whitened, &solution);
-        Ok(Adjusted {
+        Ok(self.adjusted(None, network, solution, suspects))
+    }
+
+    /// A solved network with what its rigid model absorbs, that of a model near it if there is one.
+    fn adjusted(
+        &self,
+        near: Option<&Adjusted>,
+        network: Network,
+        solution: Solution,
+        suspects: Vec<Suspect>,
+    ) -> Adjusted {
+        let (whitened, before_causes) = match near {
+            Some(near) => {
+                let mut residuals = solution.residuals_mm.clone();
+                near.whitened.whiten(&mut residuals);
+                let of_these = near.before_causes.with_residuals(&residuals);
+                (Arc::clone(&near.whitened), of_these)
+            }
+            None => {
+                let whitened = Arc::new(Whitened::new(&network, &solution));
+                let before_causes = self.before_causes(&whitened, &solution);
+                (whitened, before_causes)
+            }
+        };
+        Adjusted {
             projection: before_causes.clone(),
             before_causes: Arc::new(before_causes),
             network,
             solution,
             whitened,
             suspects,
-        })
+        }
     }
 
     /// The lengths less what the causes do to them: exact distances between displaced points.

@@ -89,7 +89,11 @@ impl<'a> Problem<'a> {
             columns.push(column);
         }
         let hidden = (hidden_um / sigma_um).powi(2);
-        let base = Projection::dense(observations, &columns).with_hidden(hidden);
+        let base = match prediction.is_empty() {
+            true => as_predicted.clone(),
+            false => Projection::dense(observations, &columns),
+        };
+        let base = base.with_hidden(hidden);
         let candidates = candidates(comparison, scene, whitening);
         Self {
             as_predicted,
