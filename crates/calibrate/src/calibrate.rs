@@ -1,4 +1,4 @@
-//! The headline verb: a campaign to all geometric errors.
+//! The headline verb: from a campaign to all geometric errors.
 
 use std::collections::BTreeSet;
 
@@ -35,14 +35,14 @@ use crate::settings::{ReferencePoint, Settings};
 /// frame](crate#the-reference-frame).
 ///
 /// # Errors
-/// See [`Error`]; nothing is returned that is not converged or not determined.
+/// See [`Error`]; a result that is not converged or not determined is an error.
 pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration, Error> {
     let campaign = at_one_temperature(campaign);
     calibrate_in_parts(&campaign, settings).map(|(calibration, _)| calibration)
 }
 
-/// As [`calibrate`], with the adjustment if lengths were measured: whoever looks further at the lengths starts
-/// from it. They should hold [at one temperature](at_one_temperature).
+/// As [`calibrate`], with the adjustment of the lengths if there are any, for further analysis. Lengths should hold
+/// [at one temperature](at_one_temperature).
 ///
 /// # Errors
 /// Those of [`calibrate`].
@@ -54,7 +54,7 @@ pub fn calibrate_with_adjustment<'a>(
     Ok((calibration, parts.measured.lengths))
 }
 
-/// What a calibration rests on.
+/// Intermediate results of a calibration.
 pub(crate) struct Parts<'a> {
     pub(crate) machine: Machine,
     pub(crate) measured: MeasuredPoses<'a>,
@@ -62,7 +62,7 @@ pub(crate) struct Parts<'a> {
     pub(crate) identified: Identified,
 }
 
-/// A calibration with what it rests on. Data that contradict each other are tried with the mistakes that people make.
+/// A calibration with its intermediate results. Contradictory data are tried again with the usual mistakes corrected.
 pub(crate) fn calibrate_in_parts<'a>(
     campaign: &'a Campaign,
     settings: &Settings,
@@ -119,7 +119,7 @@ pub(crate) fn calibrate_as_given<'a>(
     check_motion(&context, &identified)?;
     check_noise(&measured.adjustment)?;
 
-    // Propagate: how all results depend on the poses, and these on the noise.
+    // Propagate: how all results depend on the poses, and the poses on the noise.
     let dependence = Dependence::new(&context, &identified, stations);
     let mut propagation = Propagation::new(&dependence, poses, &instrument);
     let runs = run_misfits(&propagation);
@@ -132,7 +132,7 @@ pub(crate) fn calibrate_as_given<'a>(
     let axes = axis_results(&measured, &propagation, runs);
     let stations = station_results(campaign, stations, &propagation);
     let relative_locations = relative_locations(&propagation);
-    // Both are large, and the instrument's part is done with.
+    // Both noises are large; that of the instrument is not needed any more.
     let noise = propagation.whole;
     drop(instrument);
     let residuals = measured.residuals();
@@ -207,7 +207,7 @@ pub(crate) fn found(poses: &Poses) -> Vec<Isometry3<f64>> {
     observations.map(|pose| pose.datum_from_home).collect()
 }
 
-/// The machine with the reference points of δ that the settings ask for.
+/// The machine with the reference points of δ that the settings choose.
 fn with_reference_points(campaign: &Campaign, reference: ReferencePoint) -> Machine {
     let machine = &campaign.machine;
     machine.with_axes(|index, axis| match reference {

@@ -1,9 +1,9 @@
-//! Why a campaign cannot be calibrated, in the words of the campaign.
+//! Why a campaign cannot be calibrated, named as in the campaign.
 
 /// A campaign that does not yield a calibration.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// The campaign does not yield poses, or these do not determine the errors of an axis or their uncertainty.
+    /// The campaign does not yield poses, or the poses do not determine the errors of an axis or their uncertainty.
     #[error(transparent)]
     Poses(#[from] trueaxis_poses::Error),
     /// The component errors did not settle.
@@ -19,7 +19,7 @@ pub enum Error {
         /// The axis that changed most.
         axis: String,
     },
-    /// What was measured is another motion than the commanded one.
+    /// The measured motion is not the commanded one.
     #[error(
         "axis {axis} does not move as commanded: in {step} the points deviate by {translation_mm:.1} mm and \
          {rotation_deg:.1}° from it; check the direction, sign and unit of this axis in the campaign, its \
@@ -74,7 +74,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// What a diagnosis says that is refused as well.
+    /// The same error as a diagnosis states it.
     pub fn of_a_diagnosis(self) -> Self {
         match self {
             Self::Poses(error) => Self::Poses(error.of_a_diagnosis()),
@@ -86,7 +86,7 @@ impl Error {
         }
     }
 
-    /// What is wrong, without what to do about it.
+    /// What is wrong, without the advice what to do about it.
     pub fn what(&self) -> String {
         match self {
             Self::Poses(error) => error.what(),
@@ -97,7 +97,7 @@ impl Error {
         }
     }
 
-    /// Whether the data contradict each other or the machine, as after a mistake.
+    /// Whether the data contradict each other or the machine, as they do after a mistake.
     pub(crate) fn is_contradiction(&self) -> bool {
         use trueaxis_poses::Error as Poses;
         matches!(

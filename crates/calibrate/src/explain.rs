@@ -1,4 +1,4 @@
-//! A calibration as the search for mistakes looks at it ([`trueaxis_mistakes`]).
+//! A calibration as input of the search for mistakes ([`trueaxis_mistakes`]).
 
 use trueaxis_campaign::{Campaign, Stop};
 use trueaxis_mistakes::{Mistakes, OffNominal, Refused, Trial};
@@ -8,7 +8,7 @@ use crate::report::nominal_positions::targets_elsewhere;
 use crate::report::notices::absurd_errors;
 use crate::result::calibration::Calibration;
 
-/// The same error with the mistakes that would explain it, if there are any; other errors as they are.
+/// The error with the mistakes that would explain it, if any do; other errors unchanged.
 pub(crate) fn explained(error: Error, mistakes: &Mistakes<'_>) -> Error {
     let is_contradiction = error.is_contradiction();
     let explanation = is_contradiction.then(|| mistakes.explanation());
@@ -44,7 +44,7 @@ pub(crate) fn trial(campaign: &Campaign, calibration: Calibration) -> Trial {
     }
 }
 
-/// Targets and stations from where the campaign has them. Where targets on the bed should be matters to nothing.
+/// Distances of targets and stations from where the campaign has them; nominal positions on the bed do not matter.
 fn off_nominal(campaign: &Campaign, calibration: &Calibration) -> OffNominal {
     let targets = calibration.targets.iter().filter_map(|found| {
         let target = campaign.targets.iter().find(|t| t.name == found.name)?;

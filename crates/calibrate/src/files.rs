@@ -7,7 +7,7 @@ mod residuals_csv;
 
 use serde_json::Value;
 
-/// An array of what there is; null if there is nothing.
+/// An array of the entries; null if there are none.
 fn unless_empty<T>(all: &[T], entry: impl Fn(&T) -> Value) -> Value {
     match all.is_empty() {
         true => Value::Null,

@@ -1,21 +1,21 @@
-//! Work on all threads with results in order: the same bits on any number of them.
+//! Work on all threads with results in order: the bits do not depend on the number of threads.
 
 use std::ops::AddAssign;
 
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
-/// Records that one thread takes at a time, and that one partial sum is made of: some ten microseconds of
-/// work, beside which the hand-over is nothing.
+/// Records that one thread takes at a time, each time for one partial sum: some ten microseconds of work, which make
+/// the hand-over negligible.
 const RECORDS: usize = 32;
 
-/// `f` of each of `count` items.
+/// The results of `f` for each of `count` items.
 pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
     let items = (0..count).into_par_iter().with_min_len(RECORDS);
     items.map(f).collect()
 }
 
-/// Sum over `count` items: `add` adds an item to a partial sum that started at `zero`; partial sums are
-/// added in order.
+/// Sum over `count` items: `add` adds an item to a partial sum that starts at `zero`; partial sums are added in
+/// order.
 pub(crate) fn sum<T: Send + AddAssign>(
     count: usize,
     zero: impl Fn() -> T + Sync,

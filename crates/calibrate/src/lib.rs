@@ -8,12 +8,12 @@
 //! P = T1(q1) … Tk(qk) H        T: commanded motion, location errors, component errors
 //! ```
 //!
-//! (`H`: the targets at home on their stage), and each axis' component errors, its location errors and the home
-//! positions of the targets follow in the least-squares gauge: location errors are what the average line or
-//! axis of rotation takes, component errors are what is left.
+//! (`H`: the targets at home on their stage). Each axis' component errors, its location errors and the home positions
+//! of the targets follow in the least-squares gauge: location errors are those of the average line or axis of
+//! rotation, component errors are what is left.
 //!
 //! Noun in: a [`trueaxis_campaign::Campaign`] and [`Settings`]; noun out: a [`Calibration`] with standard
-//! uncertainties propagated from the noise of the poses. [`calibrate()`] goes
+//! uncertainties propagated from the noise of the poses. The steps of [`calibrate()`] are
 //!
 //! 1. measure: campaign → poses with their covariance ([`trueaxis_poses::measure()`]), sorted by the axis
 //!    under test;
@@ -21,17 +21,16 @@
 //!    from the bed outwards, with the gauge and the reference frame settled in every pass, until the model
 //!    reproduces the measured poses;
 //! 3. propagate: every result as a linear function of the errors of the poses;
-//! 4. report: results, what contradicts them, what a user must know.
+//! 4. report: results, contradictions, and notices for the user.
 //!
-//! Nothing behind the first step knows how the poses were found.
+//! Nothing after the first step depends on how the poses were found.
 //!
 //! # The reference frame
 //!
-//! With two linear axes that are not parallel (x before y before z): the average line of the first
-//! one has its nominal direction, the average line of the second lies in the plane of the two
-//! nominal directions. The origin is where the targets on their stage are at home, in the mean, at
-//! their nominal positions. With one linear axis the rotation about it, with none the whole frame
-//! follows from the best fit of the targets' home positions to the nominal ones.
+//! With two linear axes that are not parallel (x before y before z): the average line of the first has its nominal
+//! direction, the average line of the second lies in the plane of the two nominal directions. The origin is such that
+//! the home positions of the targets are, in the mean, their nominal positions. With one linear axis the rotation
+//! about it, with none the whole frame follows from the best fit of the targets' home positions to the nominal ones.
 //!
 //! An axis measured while others stand away from home is corrected for their known errors.
 //!
@@ -43,11 +42,11 @@
 //!
 //! [`Calibration::calibrated_machine`] predicts the errors anywhere (`trueaxis-predict`).
 //!
-//! # The same campaign again
+//! # Repeating the same campaign
 //!
-//! [`calibrate_for_replay`] keeps what is needed to repeat the calibration with other errors: Monte Carlo and
-//! reliability ([`Replay`]). [`calibrate_with_effects`] takes what effects beyond the rigid machine do (drift,
-//! jumps, lost motion) out of the lengths, and lets the uncertainty of their values into that of the results.
+//! [`calibrate_for_replay`] keeps what is needed to repeat the calibration with new errors: Monte Carlo and
+//! reliability ([`Replay`]). [`calibrate_with_effects`] removes effects beyond the rigid machine (drift, jumps, lost
+//! motion) from the lengths, and adds the uncertainty of their values to that of the results.
 //!
 //! # What it does not do
 //!

@@ -1,8 +1,8 @@
-//! Matrices that would not fit.
+//! Refusal of matrices that would not fit.
 
 use crate::Error;
 
-/// Largest matrix that is made, GiB.
+/// Size of the largest matrix that is made, GiB.
 const LIMIT_GIB: f64 = 1.0;
 
 /// Refuses a matrix of numbers that is too large; `instead` says what to do.

@@ -1,4 +1,4 @@
-//! The errors of the poses to those of all results.
+//! From the errors of the poses to those of all results.
 
 pub(crate) mod axis_noise;
 pub(crate) mod base_response;

@@ -1,4 +1,4 @@
-//! The same campaign with other errors of its measurement, as often as asked: Monte Carlo, and the effect of single errors.
+//! The same campaign with new errors, as often as needed: Monte Carlo, and the effect of single errors.
 //!
 //! The poses of a trial come from [`PoseTrials`], the component and location errors from Newton's method with
 //! exact deviations, repeated until the reference frame has settled.
@@ -24,7 +24,7 @@ use crate::result::calibration::Calibration;
 use crate::result::numbered::NumberedResult;
 use crate::settings::Settings;
 
-/// A calibrated campaign that can be calibrated again with other errors of its measurement.
+/// A calibrated campaign that can be calibrated again with new errors of its measurement.
 ///
 /// As a [`Model`] it draws the noise and gives the results, in the order and units of [`Replay::results`].
 pub struct Replay<'a> {
@@ -33,13 +33,13 @@ pub struct Replay<'a> {
     pub(crate) trials: PoseTrials<'a>,
     data: Vec<AxisData>,
     identified: Identified,
-    /// Results that are not defined by gauge or frame, and their places among all.
+    /// Results that gauge or frame do not define, and their indices among all.
     results: Vec<NumberedResult>,
     places: Vec<usize>,
 }
 
-/// Calibrates a campaign and keeps what other errors of its measurement need; its lengths should hold
-/// [at one temperature](trueaxis_poses::at_one_temperature).
+/// Calibrates a campaign and keeps what trials with new errors need; its lengths should hold [at one
+/// temperature](trueaxis_poses::at_one_temperature).
 ///
 /// # Errors
 /// Those of [`crate::calibrate()`].
@@ -94,7 +94,7 @@ impl Replay<'_> {
         }
     }
 
-    /// What identification works on, with these poses (datum from home).
+    /// The input of the identification with these poses (datum from home).
     fn context<'b>(&'b self, measured: &'b [Isometry3<f64>]) -> Context<'b> {
         Context {
             campaign: self.campaign,
@@ -150,7 +150,7 @@ impl Responses<'_> {
         changes
     }
 
-    /// Errors of the lengths; what is known beforehand is as it was.
+    /// Sets the errors of the lengths, and zero for everything else that is known.
     fn set(&mut self, errors_mm: &[f64]) {
         let (of_lengths, known) = self.workspace.errors.split_at_mut(errors_mm.len());
         of_lengths.copy_from_slice(errors_mm);

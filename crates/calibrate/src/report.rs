@@ -1,4 +1,4 @@
-//! What is said of the results beside their values.
+//! What is reported beside the values of the results.
 
 pub(crate) mod axis_results;
 pub(crate) mod expansion;

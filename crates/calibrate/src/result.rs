@@ -1,4 +1,4 @@
-//! What a calibration is: plain data, and what can be asked of it.
+//! A calibration as plain data, with its methods.
 
 pub(crate) mod added_uncertainty;
 pub(crate) mod budget;

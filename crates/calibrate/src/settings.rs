@@ -5,18 +5,18 @@ use nalgebra::Point3;
 /// Settings of [`crate::calibrate()`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Settings {
-    /// How the poses are found. With those of both sides of approach kept apart, so are the error curves.
+    /// How to find the poses. If both sides of approach have their own poses, they have their own error curves.
     pub poses: trueaxis_poses::Settings,
     /// The point of the stage whose translation is δ.
     pub reference_point: ReferencePoint,
-    /// Whether the covariance of all results is wanted as one matrix ([`trueaxis_predict::OutputCovariance`]); in factors it
-    /// is always there ([`trueaxis_predict::FactoredCovariance`]).
+    /// Whether to make the covariance of all results as one matrix ([`trueaxis_predict::OutputCovariance`]), too; its
+    /// factors are always made ([`trueaxis_predict::FactoredCovariance`]).
     pub covariance: bool,
 }
 
 /// The point of the stage whose translation is δ.
 ///
-/// A rotary axis takes only its height along the axis: its reference point stays on the axis.
+/// A rotary axis uses only the height of the point along the axis: its reference point stays on the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum ReferencePoint {
     /// The origin of the stage frame (the paper): the reference frame's origin for a linear axis,

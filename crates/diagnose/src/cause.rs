@@ -1,4 +1,4 @@
-//! A cause: which effect, how large, how sure, what else it may be.
+//! A cause: the effect, its size and uncertainty, and what else it may be.
 
 use trueaxis_effects::{
     Explanation, LOST_MOTION_OF_BOTH_SIGNS, Layer, Level, ResolvedEffect, Scene,
@@ -6,7 +6,7 @@ use trueaxis_effects::{
 
 use crate::{CurvePoint, Fitted, Wandering};
 
-/// Probability of sizes that scatter as much, below which it is not taken for chance.
+/// Probability of equal sizes scattering as much, below which they differ by more than chance.
 pub(crate) const SIZES_DIFFER: f64 = 0.01;
 
 /// A cause.
@@ -14,52 +14,51 @@ pub(crate) const SIZES_DIFFER: f64 = 0.01;
 pub struct Cause {
     /// The effect with its subject and values.
     pub effect: ResolvedEffect,
-    /// Where it was found.
+    /// The level at which it was found.
     pub level: Level,
-    /// The data in which it was found, as [`crate::LevelReport::data`]: several where verifications have it in common.
+    /// The data in which it was found, as [`crate::LevelReport::data`]: several where verifications share the cause.
     pub data: Vec<String>,
     /// Probability that noise alone looks as much like any effect (family-wise).
     pub p_value: f64,
-    /// BIC against the model without it, the other causes in it; negative is better.
+    /// BIC against the model with the other causes only; negative is better.
     pub delta_bic: f64,
     /// Rms of what it explains over all readings of the level, µm.
     pub explained_rms_um: f64,
-    /// By what part the held-out rms falls; none where nothing could be held out.
+    /// Relative drop of the held-out rms; `None` where nothing could be held out.
     pub heldout_gain: Option<f64>,
-    /// Its share of the misfit of its level, 0 to 1 ([`crate::Shares`]); none for a cause of an error curve.
+    /// Its share of the misfit of its level, 0 to 1 ([`crate::Shares`]); `None` for a cause of an error curve.
     pub share: Option<f64>,
     /// Its parameters, the shape (instant, time constant, period) last.
     pub parameters: Vec<EstimatedParameter>,
     /// Covariance of the linear parameters in their units, rows one after the other.
     pub covariance: Vec<f64>,
-    /// What explains the data nearly as well, disturbances first.
+    /// Other explanations that fit nearly as well, disturbances first.
     pub rivals: Vec<Rival>,
-    /// By how much the calibration changes: name of the component or location error, largest amount and
-    /// unit.
+    /// Changes of the calibration by the causes: name of the component or location error, largest amount and unit.
     pub changes: Vec<Change>,
-    /// Lost motion that changes along a linear axis, at the positions of a line that were reached from both sides; else empty.
+    /// Lost motion that changes along a linear axis, at positions reached from both sides; empty for other causes.
     pub curve: Vec<CurvePoint>,
-    /// The mean of the curve: `lost_motion_mean` is the value in the middle of the travel, where nobody may
-    /// have measured.
+    /// The mean of the curve: `lost_motion_mean` is the value in the middle of the travel, where the axis may not
+    /// have been measured.
     pub mean_lost_motion: Option<EstimatedParameter>,
-    /// For a cause of several data: probability that chance alone lets its sizes in each scatter as much about the common one.
+    /// For a cause of several data: p-value of the test that its size is the same in all of them.
     pub sizes_p_value: Option<f64>,
     /// For a cause of an error curve: its share of the curve's squares.
     pub share_of_curve: Option<f64>,
-    /// The misfit without it beside what it explains of it; none where single readings do not show it.
+    /// The misfit without it beside what it explains of the misfit; `None` where single readings do not show it.
     pub fitted: Option<Fitted>,
 }
 
 /// A value with standard uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimatedParameter {
-    /// Name, as `shift_x`.
+    /// Name, such as `shift_x`.
     pub name: String,
     /// Value.
     pub value: f64,
     /// Standard uncertainty.
     pub u: f64,
-    /// Unit, as `um`.
+    /// Unit, such as `um`.
     pub unit: &'static str,
 }
 
@@ -70,10 +69,10 @@ pub enum Rival {
     Effect {
         /// With its subject and values.
         effect: ResolvedEffect,
-        /// BIC against the model without either, the other causes in it; negative is better.
+        /// BIC against the model with the other causes only; negative is better.
         delta_bic: f64,
     },
-    /// Something that wanders in a course that nobody knows.
+    /// A disturbance.
     Disturbance {
         /// What wanders.
         whose: Wandering,
@@ -82,10 +81,10 @@ pub enum Rival {
     },
 }
 
-/// A change of a result of the calibration.
+/// A change of a result of the calibration by causes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
-    /// Name, as `EXX` or `C0Y`.
+    /// Name, such as `EXX` or `C0Y`.
     pub name: String,
     /// Largest amount over the positions.
     pub largest: f64,
@@ -93,26 +92,26 @@ pub struct Change {
     pub unit: &'static str,
 }
 
-/// What a cause says about the logged temperature that it goes with.
+/// How a cause depends on a logged temperature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Follows<'a> {
-    /// The column, as `machine_temp_spindle_c`.
+    /// The column, such as `machine_temp_spindle_c`.
     pub column: &'a str,
-    /// Whether each coefficient may be in the range, its expanded uncertainty (k = 2) considered.
+    /// Whether each coefficient may lie in the range, within its expanded uncertainty (k = 2).
     pub is_plausible: bool,
     /// The range in which coefficients are plausible.
     pub range: [f64; 2],
-    /// Their unit, as `um/K`.
+    /// Unit of the coefficients, such as `um/K`.
     pub unit: &'static str,
 }
 
 impl Cause {
-    /// Whether the data determine all its parameters. What is seen in part only cannot be taken out of them.
+    /// Whether the data determine all its parameters. An effect that is seen only in part cannot be removed.
     pub fn is_seen_whole(&self) -> bool {
         self.parameters.iter().all(|p| p.u.is_finite())
     }
 
-    /// Its rivals of the catalogue.
+    /// Its rivals in the catalogue.
     pub fn rival_effects(&self) -> impl Iterator<Item = &ResolvedEffect> {
         self.rivals.iter().filter_map(|rival| match rival {
             Rival::Effect { effect, .. } => Some(effect),
@@ -120,7 +119,7 @@ impl Cause {
         })
     }
 
-    /// What to tell a calibration engineer about it.
+    /// The explanation for a calibration engineer.
     pub fn explanation(&self) -> Explanation {
         let beyond_doubt = |sign: f64| {
             let points = self.curve.iter();
@@ -136,7 +135,7 @@ impl Cause {
         }
     }
 
-    /// Its parameters as they are told: of lost motion that changes along an axis its mean where it was measured.
+    /// Its parameters for the report: lost motion that changes along an axis by its mean where it was measured.
     pub fn told_parameters(&self) -> Vec<EstimatedParameter> {
         let mut told = self.parameters.clone();
         if let (Some(first), Some(mean)) = (told.first_mut(), &self.mean_lost_motion) {
@@ -145,7 +144,7 @@ impl Cause {
         told
     }
 
-    /// The logged temperature that it goes with; none if it goes with time or position.
+    /// The logged temperature on which it depends; `None` if it depends on time or position.
     pub fn follows<'a>(&self, scene: &'a Scene) -> Option<Follows<'a>> {
         let subject = &self.effect.subject;
         let column = &scene.temperatures.get(subject.column?)?.column;
@@ -164,7 +163,7 @@ impl Cause {
         })
     }
 
-    /// What there is to say about its sizes in several data: that they differ, where chance does not explain it.
+    /// The note that its sizes in several data differ by more than chance.
     pub fn note(&self) -> Option<String> {
         let p_value = self.sizes_p_value.filter(|p| *p < SIZES_DIFFER)?;
         let p_value = match p_value > 1e-300 {

@@ -1,4 +1,4 @@
-//! By how much a calibration changes when the causes join the model.
+//! Changes of a calibration when the causes join the model.
 
 use trueaxis_calibrate::Calibration;
 use trueaxis_kinematics::Component;
@@ -6,8 +6,8 @@ use trueaxis_predict::Unit;
 
 use crate::Change;
 
-/// Largest amounts by which component and location errors differ, in the order of the machine; the two
-/// calibrations must be of the same campaign.
+/// Largest changes of component and location errors, in the order of the machine; both calibrations must be of the
+/// same campaign.
 pub(crate) fn changes(before: &Calibration, after: &Calibration) -> Vec<Change> {
     let mut changes = Vec::new();
     for axis in &before.axes {

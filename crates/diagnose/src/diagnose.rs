@@ -1,4 +1,4 @@
-//! The headline verb: a campaign to a diagnosis.
+//! The headline verb: from a campaign to a diagnosis.
 
 use trueaxis_calibrate::{Calibration, calibrate_with_adjustment};
 use trueaxis_campaign::{Campaign, Lengths, Points};
@@ -15,16 +15,15 @@ use crate::said::Said;
 use crate::verification::diagnose_verification;
 use crate::{Cause, Diagnosis, Error, Settings, Verdict};
 
-/// Says what the rigid, quasi-static model gets wrong in a campaign's data, why, what the better model
-/// looks like and what it gains on data that it did not use.
+/// Says what the rigid, quasi-static model gets wrong in a campaign's data, why, how a better model looks and what it
+/// gains on data that it did not use.
 ///
-/// Level after level: the lengths against the joint adjustment with rigid stages; the verification
-/// readings against the prediction of the calibration, from which the causes found in the lengths are
-/// taken out; and what the calibrated error curves consist of, which explains them but contradicts
-/// nothing, so it has no part in the verdict.
+/// The levels follow each other: the lengths against the joint adjustment with rigid stages; the verification
+/// readings against the prediction of the calibration without the causes found in the lengths; and the parts of the
+/// calibrated error curves, which explain the curves but contradict nothing, so the verdict does not depend on them.
 ///
 /// # Errors
-/// [`Error`] if the campaign cannot be calibrated or nothing was measured that could contradict.
+/// [`Error`] if the campaign cannot be calibrated or has no data that could contradict.
 pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, Error> {
     let measured = campaign.lengths.is_some() || campaign.points.is_some();
     let is_read = !campaign.verification.is_empty() || !campaign.point_checks.is_empty();
@@ -72,11 +71,11 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
     Ok(diagnosis)
 }
 
-/// Says what the verification readings of a campaign contradict in a calibration that was made before, or by another system.
-/// What else the campaign measured is not looked at.
+/// Says what the verification readings of a campaign contradict in an existing calibration, perhaps of another
+/// system. Other data of the campaign are ignored.
 ///
 /// # Errors
-/// [`Error::OtherMachine`] if the calibration is that of another machine, [`Error::NothingRead`] without readings.
+/// [`Error::OtherMachine`] if the calibration is of another machine, [`Error::NothingRead`] without readings.
 pub fn diagnose_against(
     campaign: &Campaign,
     calibration: &CalibratedMachine,
@@ -101,7 +100,7 @@ pub fn diagnose_against(
     Ok(diagnosis)
 }
 
-/// What the verification readings say.
+/// Adds the findings of the verification readings.
 fn with_verification(
     diagnosis: &mut Diagnosis,
     campaign: &Campaign,
@@ -124,7 +123,7 @@ fn with_verification(
 }
 
 impl Diagnosis {
-    /// Before anything was judged.
+    /// A diagnosis before any judgement.
     fn new(campaign: &Campaign) -> Self {
         Self {
             campaign: campaign.name.clone(),
@@ -142,8 +141,8 @@ impl Diagnosis {
     }
 }
 
-/// What the lengths say, and the calibration without the causes that they show; the campaign without them, if
-/// there are any.
+/// Adds the findings of the lengths, and the calibration without the causes found; returns the campaign without them,
+/// if there are any.
 fn with_lengths(
     diagnosis: &mut Diagnosis,
     campaign: &Campaign,
@@ -180,7 +179,7 @@ fn with_lengths(
     Ok(without)
 }
 
-/// What the points say, and the calibration without the causes and gross errors that they show.
+/// Adds the findings of the points, and the calibration without the causes and gross errors found.
 fn with_points(
     diagnosis: &mut Diagnosis,
     campaign: &Campaign,
@@ -203,7 +202,7 @@ fn with_points(
     Ok(())
 }
 
-/// What wanders in the lengths and `calibrate --with-effects` does not take out.
+/// The notice about disturbances of the lengths that `calibrate --with-effects` does not remove.
 fn not_in_effects(causes: &[Cause]) -> &'static str {
     match causes.is_empty() {
         true => {
@@ -216,7 +215,7 @@ fn not_in_effects(causes: &[Cause]) -> &'static str {
     }
 }
 
-/// Whether an error says that the data do not determine what is asked.
+/// Whether an error says that the data do not determine the poses.
 fn is_not_identifiable(error: &Error) -> bool {
     use trueaxis_calibrate::Error as Calibrate;
     matches!(
@@ -227,7 +226,7 @@ fn is_not_identifiable(error: &Error) -> bool {
     )
 }
 
-/// The calibration of the campaign without the causes, which it lists, and what they change.
+/// Replaces the calibration by that without the causes, which it lists, and adds the changes to the causes.
 fn with_better(
     diagnosis: &mut Diagnosis,
     corrected: &Campaign,
@@ -249,7 +248,7 @@ fn with_better(
     Ok(())
 }
 
-/// What runs of one axis say against each other, and the calibration without the causes.
+/// Adds the contradictions between runs of one axis, and the calibration without their causes.
 fn with_runs(
     diagnosis: &mut Diagnosis,
     campaign: &Campaign,
@@ -287,8 +286,8 @@ fn scene_of_all(campaign: &Campaign) -> Scene {
     scene
 }
 
-/// A calibration even of data that the screening refuses: what is wrong with them is the question here. What had to be
-/// given up is a notice.
+/// A calibration even of data that screening refuses, since a diagnosis asks what is wrong with them. A notice says
+/// what had to be given up.
 fn calibrated<'a>(
     campaign: &'a Campaign,
     settings: &Settings,
@@ -325,7 +324,7 @@ fn calibrated<'a>(
     Ok(calibrated)
 }
 
-/// The campaign with lengths less what the causes do to them.
+/// The campaign with its lengths less the effects of the causes.
 fn without_effects(campaign: &Campaign, lengths: &Lengths, effects_mm: &[f64]) -> Campaign {
     let mut corrected = lengths.clone();
     for (reading, effect_mm) in corrected.readings.iter_mut().zip(effects_mm) {

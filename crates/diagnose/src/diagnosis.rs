@@ -1,4 +1,4 @@
-//! The outcome: what is wrong, why, what the better model looks like, what was gained.
+//! The result: what is wrong, why, what the better model is, and what it gains.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -13,23 +13,23 @@ use crate::{Cause, Disturbance, Shares};
 pub struct Diagnosis {
     /// Name of the campaign.
     pub campaign: String,
-    /// What stations, targets and axes the subjects of causes refer to.
+    /// Stations, targets and axes to which subjects of causes refer.
     pub scene: Scene,
     /// The verdict on the measured data.
     pub verdict: Verdict,
-    /// Each level that there are data for.
+    /// Each level with data.
     pub levels: Vec<LevelReport>,
     /// All causes, those of the data first, then those of the error curves; by rank.
     pub causes: Vec<Cause>,
-    /// Smooth processes of unknown form that the data demand beside the causes, or instead of them.
+    /// Disturbances that the data need beside the causes, or instead of them.
     pub disturbances: Vec<Disturbance>,
-    /// What no cause explains, of the first level where something is left ([`LevelReport::unexplained`]).
+    /// The part without a cause, of the first level where something is left ([`LevelReport::unexplained`]).
     pub unexplained: Option<Unexplained>,
     /// Points and readings of verifications that were left out as gross errors.
     pub rejected: Vec<Rejected>,
     /// Effects that these data cannot show.
     pub not_observable: Vec<NotObservable>,
-    /// The calibration with causes and disturbances found in the lengths or points taken out of them; none if there is nothing
+    /// The calibration without the causes and disturbances found in the lengths or points; `None` if there is nothing
     /// to calibrate from.
     pub calibration: Option<Calibration>,
     /// What a user must know before using the outcome.
@@ -41,18 +41,18 @@ pub struct Diagnosis {
 pub enum Verdict {
     /// Nothing contradicts the model.
     Clean,
-    /// A cause is clear: nothing else explains it nearly as well. More may be left ([`Unexplained`]).
+    /// A cause is clear: no other explanation fits nearly as well. More may be left ([`Unexplained`]).
     Named,
-    /// Something is wrong, and for each cause there are others that explain it as well.
+    /// Something is wrong, and each cause has rivals that explain it as well.
     Ambiguous,
-    /// Something is wrong that no effect of the catalogue explains.
+    /// Something is wrong that no effect in the catalogue explains.
     Unknown,
-    /// There is nothing that could contradict the model.
+    /// No data could contradict the model.
     NotJudged,
 }
 
 impl Verdict {
-    /// As the result file names it.
+    /// Its name in the result file.
     pub fn name(self) -> &'static str {
         match self {
             Self::Clean => "clean",
@@ -68,8 +68,8 @@ impl Verdict {
         matches!(self, Self::Named | Self::Ambiguous | Self::Unknown)
     }
 
-    /// That of several sets of data, the first that holds of any: a clear cause in one is no less clear for
-    /// what the others leave open.
+    /// The verdict on several sets of data, the first in the order that any of them has: a clear cause in one is no
+    /// less clear for what the others leave open.
     pub(crate) fn of_all(verdicts: impl IntoIterator<Item = Self>) -> Self {
         let order = [Self::Named, Self::Ambiguous, Self::Unknown, Self::Clean];
         let all: Vec<Self> = verdicts.into_iter().collect();
@@ -77,7 +77,7 @@ impl Verdict {
         first.unwrap_or(Self::NotJudged)
     }
 
-    /// That of one set of data from its causes and whether something is left beside them.
+    /// The verdict on one set of data from its causes and whether anything is left beside them.
     pub(crate) fn of_causes(causes: &[Cause], is_left: bool) -> Self {
         match (causes, is_left) {
             ([], true) => Self::Unknown,
@@ -88,43 +88,43 @@ impl Verdict {
     }
 }
 
-/// One level of data: how far the prediction is off before and after.
+/// One level of data: its misfit before and after the causes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LevelReport {
     /// The level.
     pub level: Level,
     /// What was compared, such as `2340 lengths` or `LI along X`.
     pub data: String,
-    /// Standard deviation of one reading as the repeats show it, µm.
+    /// Standard deviation of one reading by the repeats, µm.
     pub noise_floor_um: f64,
-    /// Of verification readings the standard uncertainty of their prediction by the calibration, rms, µm.
+    /// For verification readings the standard uncertainty of their prediction by the calibration, rms, µm.
     pub prediction_u_um: Option<f64>,
     /// Misfit of the rigid, quasi-static model.
     pub before: Misfit,
     /// Misfit with the causes in the model.
     pub after: Misfit,
-    /// Gain on data that were not used; none where nothing was named or could be held out.
+    /// Gain on unused data; `None` where nothing was named or could be held out.
     pub gain: Option<Gain>,
-    /// What parts the misfit has.
+    /// The parts of the misfit.
     pub shares: Shares,
-    /// What no cause of these data explains; none if nothing is left.
+    /// What no cause of these data explains; `None` if nothing is left.
     pub unexplained: Option<Unexplained>,
-    /// The tests whether anything is wrong at all, before the causes.
+    /// The tests whether anything is wrong, without the causes.
     pub tests: Vec<OmnibusTest>,
-    /// The same after the causes.
+    /// The same tests with the causes.
     pub tests_after: Vec<OmnibusTest>,
-    /// Where the misfit lives: groups of readings with their rms, before and after, µm.
+    /// The misfit by groups of readings: rms before and after, µm.
     pub places: Vec<Place>,
 }
 
-/// Rms of measured minus predicted for one degree of freedom, µm: weighted with the noise, its
-/// correlation within a stop included, and scaled so that noise alone gives the standard deviation of one
-/// reading; the error of the prediction of a verification is in it.
+/// Rms of measured minus predicted for one degree of freedom, µm, weighted with the noise including its correlation
+/// within a stop, and scaled so that noise alone gives the standard deviation of one reading. For a verification it
+/// contains the error of the prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Misfit {
-    /// In the data that the model was fitted to.
+    /// In the data used for the fit.
     pub rms_um: f64,
-    /// In data that it was not fitted to; none where nothing could be held out.
+    /// In data not used for the fit; `None` where nothing could be held out.
     pub heldout_rms_um: Option<f64>,
 }
 
@@ -146,15 +146,15 @@ pub struct Gain {
     pub heldout_rms_ratio: f64,
     /// Its 95 % interval, from a bootstrap of blocks.
     pub interval: [f64; 2],
-    /// Share of the misfit above the noise floor that went away, in squares.
+    /// Share of the misfit above the noise floor that was removed, in squares.
     pub share_of_excess_removed: f64,
-    /// The same ratio and interval where each station in turn is the unused data; `None` with fewer than
-    /// five stations. What happens at one station only cannot be predicted from the others.
+    /// The same ratio and interval with each station in turn as the unused data; `None` with fewer than five
+    /// stations. What happens at only one station cannot be predicted from the others.
     pub leave_one_station_out: Option<HeldOutRatio>,
 }
 
 impl Gain {
-    /// Whether the interval excludes no gain.
+    /// Whether the interval excludes a ratio of one.
     pub fn is_claimed(&self) -> bool {
         self.interval[1] < 1.0
     }
@@ -192,7 +192,7 @@ pub struct Place {
     pub after_um: f64,
 }
 
-/// What is left when nothing of the catalogue explains it.
+/// What is left when no effect in the catalogue explains it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unexplained {
     /// The level.
@@ -203,20 +203,20 @@ pub struct Unexplained {
     pub rms_um: f64,
     /// Its share of the misfit of its level, 0 to 1.
     pub share: f64,
-    /// What it varies with: `time`, `position`, `station`, `target`, `direction`, `cycle`; `reading` where many readings are off by
-    /// themselves.
+    /// What it varies with: `time`, `position`, `station`, `target`, `direction`, `cycle`; `reading` where many
+    /// single readings are off.
     pub varies_with: Vec<&'static str>,
-    /// Whether the omnibus tests found it: structure of any kind, not single readings, another curve after a jump or a cause of an
-    /// impossible size.
+    /// Whether the omnibus tests found it: structure of any kind, as opposed to single readings, another curve after
+    /// a jump or a cause of impossible size.
     pub is_of_tests: bool,
-    /// In words, with a period where there is one.
+    /// Description, with a period where there is one.
     pub note: String,
 }
 
 impl Unexplained {
-    /// Whether the repeats scatter by as much, so that the noise they show already contains most of it: its `share`, which counts
-    /// only what exceeds that noise, is then less than a quarter of `(rms_um/before.rms_um)²`. `before` is the misfit of its level before
-    /// anything was explained. Only what the omnibus tests find can be scatter.
+    /// Whether the repeats scatter by as much, so that their noise already contains most of it: its `share`, which
+    /// counts only what exceeds that noise, is then less than a quarter of `(rms_um/before.rms_um)²`. `before` is the
+    /// misfit of its level before any explanation. Only findings of the omnibus tests can be scatter.
     pub fn is_scatter(&self, before: &Misfit) -> bool {
         let of_misfit = (self.rms_um / before.rms_um).powi(2);
         self.is_of_tests && of_misfit > 0.01 && self.share < 0.25 * of_misfit
@@ -241,7 +241,7 @@ pub struct Rejected {
 }
 
 impl Rejected {
-    /// As a notice.
+    /// The notice about it.
     pub fn in_words(&self) -> String {
         format!(
             "{} line {}: left out; off by {:.1} µm (u = {:.1} µm): {}",
@@ -250,17 +250,17 @@ impl Rejected {
     }
 }
 
-/// An effect that these data cannot show. It may be there all the same.
+/// An effect that these data cannot show. It may still be there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NotObservable {
     /// Its id.
     pub effect: &'static str,
-    /// What it concerns, such as `axis X`; empty if all.
+    /// Its subject, such as `axis X`; empty if it concerns everything.
     pub subject: String,
     /// Why the data do not show it.
     pub reason: String,
-    /// What it would do to results: name and amount per unit, as text.
+    /// Its effect on results: name and amount per unit, as text.
     pub bias_per_unit: Vec<(String, String)>,
-    /// What to measure to see it.
+    /// The measurement that would show it.
     pub measure: String,
 }

@@ -1,11 +1,11 @@
-//! What wanders in a course that nobody knows, as the outcome says it.
+//! A disturbance, as reported.
 
 use trueaxis_effects::{Layer, Level, Scene, Subject};
 
 /// A smooth process of unknown form.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Disturbance {
-    /// Where it was found.
+    /// The level at which it was found.
     pub level: Level,
     /// The data in which it was found, as [`crate::LevelReport::data`].
     pub data: String,
@@ -13,37 +13,37 @@ pub struct Disturbance {
     pub whose: Wandering,
     /// Probability that noise alone looks as much like any disturbance (family-wise).
     pub p_value: f64,
-    /// Rms of what it does to the readings of the level, µm.
+    /// Rms of its effect on the readings of the level, µm.
     pub rms_um: f64,
     /// Its share of the misfit of its level, 0 to 1 ([`crate::Shares`]).
     pub share: f64,
     /// How fast it changes.
     pub correlation_length: CorrelationLength,
-    /// Of one that swings with a period, that, in the unit of the correlation length, which is a quarter of it.
+    /// The period of one that swings, four times the correlation length, in the unit of that.
     pub period: Option<f64>,
-    /// By what part the held-out rms falls; none where nothing could be held out, or causes gain, too.
+    /// Relative drop of the held-out rms; `None` where nothing could be held out, or causes contribute to the gain.
     pub heldout_gain: Option<f64>,
     /// Its course.
     pub curve: Vec<CurvePoint>,
-    /// What explains the data nearly as well.
+    /// Other disturbances that explain the data nearly as well.
     pub rivals: Vec<Wandering>,
 }
 
-/// What wanders: layer and subject say whose it is. Without a subject it is the machine (layer machine), all tripods or, of
+/// What wanders, by layer and subject. Without a subject it is the machine (layer machine), all tripods or, for
 /// points, the frame of the instrument (set-up), or the air (instrument).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wandering {
-    /// Where it was found.
+    /// The level at which it was found.
     pub level: Level,
     /// Instrument, set-up or machine.
     pub layer: Layer,
-    /// Station, target or axis; none for what concerns all.
+    /// Station, target or axis; empty for what concerns everything.
     pub subject: Subject,
-    /// `time`; `position`; `position` and `direction`; of an axis `time` and `position` (its geometry), `time` and `direction`.
+    /// `time`; `position`; `position` and `direction`; for an axis `time` and `position`, `time` and `direction`.
     pub varies_with: &'static [&'static str],
 }
 
-/// The distance within which a course stays nearly the same (Matérn's, ν = 3/2).
+/// The distance within which a course is nearly constant (Matérn's, ν = 3/2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CorrelationLength {
     /// Value.
@@ -52,23 +52,23 @@ pub struct CorrelationLength {
     pub unit: &'static str,
 }
 
-/// A point of a course, or of a free form.
+/// A point of a course, or of a free function of position.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurvePoint {
-    /// Time or position, in the unit of the correlation length; mm of a free form.
+    /// Time or position, in the unit of the correlation length; for a free function mm.
     pub at: f64,
-    /// Where the axis stands of whose geometry it is, mm or deg; none of anything else.
+    /// Position of the axis whose geometry it is, mm or deg; `None` for anything else.
     pub position: Option<f64>,
-    /// Each coordinate (x, y, z; of a station its dead path, of the frame of the instrument its rotations by what they move the
-    /// points, rms, too; of the geometry of an axis x, y, z of what carries it and the
-    /// rotations of its stage about these by what they move its targets, rms), µm: from its mean over a turn, or over the range.
+    /// Deviation of each coordinate from its mean over a turn or range, µm: x, y, z; for a station its dead path, for
+    /// the frame of the instrument its rotations as rms displacement of the points, too. For the geometry of an axis
+    /// x, y, z of what carries it and the rotations of its stage as rms displacement of its targets.
     pub value_um: Vec<f64>,
     /// Their standard uncertainties, µm.
     pub u_um: Vec<f64>,
 }
 
 impl Wandering {
-    /// In words, as `station S2, with time`.
+    /// Description, such as `station S2, with time`.
     pub fn in_words(&self, scene: &Scene) -> String {
         let name = |names: Option<&String>| names.cloned().unwrap_or_default();
         let Subject {

@@ -1,35 +1,35 @@
-//! What the search for causes has in common, whatever was measured.
+//! What the search for causes shares between all kinds of data.
 //!
-//! Every kind of data asks the same: which effects of the catalogue explain what a base model leaves, what explains it
-//! as well, how large each is, what is left, and what is gained on data that were not used. [`Measured`] data
-//! say what differs:
+//! Every kind of data asks the same: which effects in the catalogue explain what a base model leaves, what explains
+//! it as well, how large each effect is, what is left, and what is gained on unused data. [`Measured`] data state
+//! what differs:
 //!
 //! | | lengths | points | verification | runs |
 //! | --- | --- | --- | --- | --- |
 //! | rows | whitened lengths | three whitened coordinates | arrivals over σ | whitened differences of poses |
 //! | base model | stations, poses, shapes | poses, shapes | zero of a line, set-up of a bar, errors of the prediction | error curves, places |
-//! | covariance | noise, repeatability, what wanders | noise, repeatability | that of the prediction | that of the poses |
+//! | covariance | noise, repeatability, disturbances | noise, repeatability | that of the prediction | that of the poses |
 //! | refit | nonlinear adjustment | linear, variances anew | linear | linear |
 //! | instants | between readings | between readings | a hundred of a list, then those beside the best | none |
 //!
-//! Common to them, here:
+//! The common parts are here:
 //!
-//! - [`hypotheses`]: every effect of a level on every subject becomes whitened columns, with a list of shapes or all
+//! - [`hypotheses`]: every effect of a level on every subject as whitened columns, for a list of shapes or all
 //!   instants at once.
-//! - [`ranking`]: all of them against what a model leaves by the numbers of [`trueaxis_selection`]; the best and its
+//! - [`ranking`]: all hypotheses against what a model leaves, by the numbers of [`trueaxis_selection`]; best and
 //!   rivals.
 //! - [`between`]: a shape between two of a list.
-//! - [`search`]: lengths and points. One cause joins after the other; each is judged beside the others, gives way to a
-//!   better one, or leaves.
+//! - [`search`]: lengths and points. Causes join one after the other; each is judged beside the others, gives way to
+//!   a better one, or leaves.
 //! - [`candidate`]: a hypothesis with the columns of a list of shapes, and between them.
-//! - [`listed`]: what verification and runs choose their causes from, one after the other, in a linear model.
-//! - [`smooth`]: how much a process of unknown form explains; [`mod@disturbance`]: what wanders in a course that nobody knows,
-//!   in lengths and points ([`mod@wandering`]), where it has more evidence than causes have, or is left beside them
-//!   ([`competition`]); [`mod@wandered`] tells it.
+//! - [`listed`]: for verification and runs, the choice of causes one after the other in a linear model.
+//! - [`smooth`]: how much a process of unknown form explains; [`mod@disturbance`]: disturbances of lengths and points
+//!   ([`mod@wandering`]), where they have more evidence than causes or are left beside them ([`competition`]);
+//!   [`mod@wandered`] reports them.
 //! - [`culprit`]: whether two causes are one trouble under two names.
-//! - [`omnibus`]: whether anything is left, and what it varies with; causes that only imitate what is left.
-//! - [`held_out`]: the gain on sweeps that the model was not fitted to.
-//! - [`mod@places`]: where the misfit lives; [`mod@unseen`]: what the data cannot show.
+//! - [`omnibus`]: whether anything is left, and what it varies with; causes that only imitate it.
+//! - [`held_out`]: the gain on sweeps not used for the fit.
+//! - [`mod@places`]: the misfit by groups of readings; [`mod@unseen`]: what the data cannot show.
 //! - [`estimated`]: parameters with their uncertainties, shapes included.
 
 mod accidents;

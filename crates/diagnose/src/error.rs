@@ -1,6 +1,6 @@
-//! What keeps a campaign from being diagnosed.
+//! Why a campaign cannot be diagnosed.
 
-/// No diagnosis.
+/// Why there is no diagnosis.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The campaign cannot be calibrated, so nothing can be predicted.

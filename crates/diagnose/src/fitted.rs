@@ -1,38 +1,38 @@
-//! The misfit without a cause beside what the fitted cause explains of it: the readings in which it shows most.
+//! The misfit without a cause, and what the fitted cause explains of it, in the readings that show it most.
 //!
-//! Both are residuals of the adjustment: what stations, poses and other unknowns take of a cause is in neither. The
-//! difference of the two is what is left with the cause in the model.
+//! Both are residuals of the adjustment, without what stations, poses and other unknowns absorb of the cause. Their
+//! difference is what is left with the cause in the model.
 
 use trueaxis_effects::Scene;
 use trueaxis_kinematics::AxisKind;
 
-/// What to draw of a cause.
+/// Data for a figure of a cause.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fitted {
-    /// The readings, as `station S2, target P`.
+    /// The readings, such as `station S2, target P`.
     pub of: String,
-    /// What they are drawn against.
+    /// The abscissa.
     pub against: Against,
-    /// Whether misfit and effect are in arcsec, else in µm.
+    /// Whether misfit and effect are in arcsec, otherwise in µm.
     pub is_angular: bool,
-    /// The readings in the order of what they are drawn against, the forward side first where that is a position.
+    /// The readings in the order of the abscissa; over positions the forward side comes first.
     pub points: Vec<FittedPoint>,
-    /// The other coordinates of the same readings, as far as the cause shows there.
+    /// The other coordinates of the same readings, as far as the cause shows in them.
     pub beside: Vec<Self>,
 }
 
-/// What misfit and effect are drawn against.
+/// The abscissa of misfit and effect.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Against {
     /// Time, s.
     Time,
     /// The number of the reading, where a table has no clock.
     Order,
-    /// Position of an axis, by its name, and its unit, `mm` or `deg`.
+    /// Position of an axis, with its name and unit, `mm` or `deg`.
     Position(String, &'static str),
 }
 
-/// A reading, or the mean of several that follow each other.
+/// A reading, or the mean of several consecutive ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedPoint {
     /// Time or position.
@@ -41,44 +41,44 @@ pub struct FittedPoint {
     pub direction: i8,
     /// Residual of the model without the cause.
     pub misfit: f64,
-    /// What of it the fitted cause explains.
+    /// The part that the fitted cause explains.
     pub fitted: f64,
-    /// Standard deviation that noise alone gives the misfit.
+    /// Standard deviation of the misfit by noise alone.
     pub u: f64,
 }
 
-/// A reading with the residual of the model without a cause and what the fitted cause explains of it.
+/// A reading with its residual without a cause, and the part that the fitted cause explains.
 pub(crate) struct Row {
     /// Readings of one group are drawn together.
     pub(crate) group: usize,
     pub(crate) time_s: f64,
-    /// The axes that move, and where they are, mm or rad.
+    /// The axes that move, with their positions, mm or rad.
     pub(crate) moving: Vec<(usize, f64)>,
     /// Side of approach, +1 or -1.
     pub(crate) direction: f64,
     pub(crate) misfit: f64,
     pub(crate) fitted: f64,
-    /// Standard deviation that noise alone gives the misfit.
+    /// Standard deviation of the misfit by noise alone.
     pub(crate) u: f64,
 }
 
-/// More points cannot be distinguished in a figure: means of neighbours stand for them.
+/// Most points that a figure can show: means of neighbours replace more of them.
 const MOST_POINTS: usize = 240;
 
-/// Readings that are drawn show at least so much of the squares of an effect.
+/// Least share of the squares of an effect that the drawn readings show.
 const ENOUGH: f64 = 0.5;
 
-/// Coordinates that show less of an effect than this part of the squares of the one that shows most are not drawn.
+/// Coordinates with less than this share of the squares of the one that shows an effect most are not drawn.
 const TRACE: f64 = 1e-3;
 
 impl Fitted {
-    /// Of the group in which the effect is largest, against what it is the smoothest function of; none where the
-    /// readings show nothing of it.
+    /// The group with the largest effect, over the quantity of which the effect is the smoothest function; `None` if
+    /// the readings do not show it.
     pub(crate) fn new(rows: &[Row], name: impl Fn(usize) -> String, scene: &Scene) -> Option<Self> {
         Self::of_coordinates(rows, 1, name, scene)
     }
 
-    /// The same of readings with several coordinates, each a group; those of one set of readings follow each other.
+    /// The same for readings with several coordinates, each a group; those of one set of readings are consecutive.
     pub(crate) fn of_coordinates(
         rows: &[Row],
         coordinates: usize,
@@ -123,7 +123,7 @@ impl Fitted {
         })
     }
 
-    /// The same, of angles in arcsec or of displacements.
+    /// The same figure with the kind of its values.
     pub(crate) fn of_angles(mut self, is_angular: bool) -> Self {
         self.is_angular = is_angular;
         for panel in &mut self.beside {
@@ -133,7 +133,7 @@ impl Fitted {
     }
 }
 
-/// Time, or an axis, with the size of its unit.
+/// Time, or the position of an axis, with the size of its unit.
 fn against(over: Option<usize>, scene: &Scene) -> (Against, f64) {
     let Some(axis) = over.map(|axis| &scene.machine.axes()[axis]) else {
         return (Against::Time, 1.0);
@@ -145,7 +145,7 @@ fn against(over: Option<usize>, scene: &Scene) -> (Against, f64) {
     (Against::Position(axis.name().to_owned(), unit), size)
 }
 
-/// Rows over time or where an axis moves, by its sides, and in the order of each.
+/// Rows over time or over the positions of an axis, by sides, in order.
 fn drawn<'r>(
     rows: impl Iterator<Item = &'r Row>,
     over: Option<usize>,
@@ -181,14 +181,14 @@ fn squares(points: &[(FittedPoint, i8)]) -> f64 {
     points.iter().map(|(point, _)| point.fitted.powi(2)).sum()
 }
 
-/// Squared steps from point to point of a side relative to the squares (J. von Neumann, 1941).
+/// Squares of the steps between consecutive points of a side relative to the squares (J. von Neumann, 1941).
 fn roughness(points: &[(FittedPoint, i8)]) -> f64 {
     let same_side = points.windows(2).filter(|pair| pair[0].1 == pair[1].1);
     let steps = same_side.map(|pair| (pair[1].0.fitted - pair[0].0.fitted).powi(2));
     steps.sum::<f64>() / squares(points)
 }
 
-/// Means of neighbours of a side where there are more points than are drawn.
+/// Means of neighbours of a side, if there are more points than can be drawn.
 fn thinned(points: &[(FittedPoint, i8)]) -> Vec<FittedPoint> {
     let every = points.len().div_ceil(MOST_POINTS).max(1);
     let sides = points.chunk_by(|a, b| a.1 == b.1);
@@ -227,7 +227,7 @@ mod tests {
         }
     }
 
-    /// A sweep there and back along X, at each stop as `effect(time, q, direction)` says; group 0 sees a tenth of it.
+    /// A sweep there and back along X with the values of `effect(time, q, direction)`; group 0 sees a tenth of it.
     fn sweep(effect: impl Fn(f64, f64, f64) -> f64) -> Vec<Row> {
         let stop = |k: u32| {
             let time_s = f64::from(k);
@@ -303,7 +303,7 @@ mod tests {
             moving: Vec::new(),
             direction: 1.0,
             misfit: 0.0,
-            // Along z ten times as much as along x, and nothing along y.
+            // Along z the effect is ten times that along x; along y there is none.
             fitted: f64::from(k / 3) * [0.1, 0.0, 1.0][k as usize % 3],
             u: 1.0,
         });

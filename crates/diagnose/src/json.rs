@@ -34,7 +34,7 @@ impl Diagnosis {
         FORMAT.schema_of_result::<File<'_>>()
     }
 
-    /// The level that stands for the whole: the lengths or the points, else the one with the largest misfit.
+    /// The level that represents the whole: the lengths or the points, otherwise the one with the largest misfit.
     pub fn headline(&self) -> Option<&LevelReport> {
         let of_targets = |l: &&LevelReport| [Level::Lengths, Level::Points].contains(&l.level);
         let lengths = self.levels.iter().find(of_targets);
@@ -45,8 +45,8 @@ impl Diagnosis {
         })
     }
 
-    /// The causes found in the lengths whose parameters are all seen, with the covariance of their parameters (block by block: causes
-    /// among each other are taken as independent), for `simulate` and `calibrate --with-effects`.
+    /// The causes found in the lengths that the data fully show, with the covariance of their parameters (block by
+    /// block: causes count as independent of each other), for `simulate` and `calibrate --with-effects`.
     pub fn effects_file(&self) -> EffectsFile {
         let whole = |c: &&Cause| c.level == Level::Lengths && c.is_seen_whole();
         let causes = self.causes.iter().filter(whole);
@@ -221,17 +221,17 @@ fn unseen(unseen: &NotObservable) -> NotObservableFile<'_> {
     }
 }
 
-/// To a picometre.
+/// Rounded to a picometre.
 fn um(value_um: f64) -> f64 {
     round(value_um, 6)
 }
 
-/// Numbers as the file holds them.
+/// Numbers rounded for the file.
 pub(crate) mod rounded {
     use serde::Serializer;
     use trueaxis_files::{round, significant};
 
-    /// To a picometre; of shares to one in a million.
+    /// To a picometre; shares to one in a million.
     pub(crate) fn sixth<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_f64(round(*value, 6))
     }

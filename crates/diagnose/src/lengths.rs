@@ -2,23 +2,22 @@
 //!
 //! The base model is the joint adjustment with rigid stages
 //! ([`trueaxis_multilateration::solve`]): six pose parameters for each step, common to all
-//! stations, repeats and directions; target shapes common to all steps; stations and dead paths. What
-//! the lengths contradict in it, no geometry of a rigid machine that comes back to its poses can
-//! explain. The noise is that of a length and that of the machine's repeatability, common to a stop
-//! (restricted maximum likelihood from the residuals).
+//! stations, repeats and directions; target shapes common to all steps; stations and dead paths. No geometry of a
+//! rigid machine that returns to its poses can explain what contradicts this model. The noise is that of a length and
+//! that of the machine's repeatability, common to a stop (restricted maximum likelihood from the residuals).
 //!
-//! - [`base`] are the lengths; [`adjust`] adjusts them ([`adjusted`]), less what the causes found so far do to them, with the full
-//!   nonlinear model; the parameters of the causes follow by block elimination until both converge.
-//! - [`weighed`]: stations whose lengths scatter more weigh less.
-//! - [`measured`]: what the search for causes ([`crate::engine`]) asks of them.
-//! - [`beside`]: what wanders in a course that nobody knows joins the covariance.
-//! - [`grown`]: what scales all lengths of a station is a machine that was larger then, too.
-//! - [`shifted`]: a machine that shifts while one station is occupied is a tripod that jumps, too.
+//! - [`base`] has the lengths; [`adjust`] adjusts them ([`adjusted`]) with the full nonlinear model, less the effects
+//!   of the causes so far; the parameters of the causes follow by block elimination until both converge.
+//! - [`weighed`]: stations whose lengths scatter more have less weight.
+//! - [`measured`]: the lengths as the search for causes ([`crate::engine`]) needs them.
+//! - [`beside`]: disturbances join the covariance.
+//! - [`grown`]: an effect that scales all lengths of a station may also be a machine that was larger then.
+//! - [`shifted`]: a machine that shifts while one station is occupied may also be a tripod that jumps.
 //! - [`omnibus`]: whether anything is left at all, and what it varies with ([`unexplained`]).
-//! - [`left_out`]: gross errors leave before the search, and come back if the causes explain them.
-//! - [`search`]: from the lengths to causes; [`named`]: which of them explain enough of what is there.
-//! - [`held_out`]: the gain on sweeps, and on whole stations, that the model was not fitted to.
-//! - [`report`] puts it together.
+//! - [`left_out`]: gross errors leave before the search, and return if the causes explain them.
+//! - [`search`]: from the lengths to causes; [`named`]: the causes that explain enough of the misfit.
+//! - [`held_out`]: the gain on sweeps, and on whole stations, not used for the fit.
+//! - [`report`] combines everything.
 
 mod adjust;
 mod adjusted;

@@ -8,18 +8,18 @@
 //! e = M y      T(h) = sᵀ G⁺ s      s = X_hᵀ e      G = X_hᵀ M X_h
 //! ```
 //!
-//! every effect `h` of the catalogue (`trueaxis-effects`) is a hypothesis with columns `X_h`. The verb
-//! answers four questions: *what* is wrong (omnibus tests, where the misfit lives), *why* (one cause, or
-//! several that the data do not tell apart, or honestly unknown), what the *better model* looks like
-//! (parameters, by how much the calibration changes), and what is *gained* on data that were not used.
+//! every effect `h` in the catalogue (`trueaxis-effects`) is a hypothesis with columns `X_h`. The verb answers four
+//! questions: *what* is wrong (omnibus tests, the misfit by groups of readings), *why* (one cause, or several that
+//! the data cannot separate, or honestly unknown), what the *better model* is (parameters, changes of the
+//! calibration), and what is *gained* on unused data.
 //!
-//! Noun in: a [`trueaxis_campaign::Campaign`]; noun out: a [`Diagnosis`]. It judges these levels: the tracker's
-//! lengths, or measured coordinates, the readings of other instruments (positioning lines, ball bars), and the calibrated error
-//! curves themselves, which contradict nothing and have no part in the verdict. The method and how often
-//! it is right: `docs/diagnosis.md` of the repository.
+//! Noun in: a [`trueaxis_campaign::Campaign`]; noun out: a [`Diagnosis`]. Its levels are the tracker's lengths, or
+//! measured coordinates, the readings of other instruments (positioning lines, ball bars), and the calibrated error
+//! curves themselves, which contradict nothing and do not enter the verdict. The method and how often it is right:
+//! `docs/diagnosis.md` of the repository.
 //!
-//! It does not measure again: what leaves no trace in the data ([`NotObservable`]) it cannot see, and it
-//! never calls that absent.
+//! It does not measure again: it cannot see what leaves no trace in the data ([`NotObservable`]), and it never calls
+//! that absent.
 //!
 #![doc = "```"]
 #![doc = include_str!("../examples/diagnose.rs")]

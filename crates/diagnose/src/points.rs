@@ -8,25 +8,25 @@
 //! p = T_step h_target + noise      cov = σ² w² I + σ_m² 1 1ᵀ  (each coordinate of one stop)
 //! ```
 //!
-//! with σ the instrument's noise (w: what the table declares, relatively) and `σ_m` the machine's repeatability, common to
-//! a stop. Targets on the bed stand still. What contradicts it are distances between targets of one stage (three
-//! targets or more), repeats, and the two sides of approach. All is linear about one adjustment: poses are
-//! known to micrometres, effects are as small.
+//! with σ the instrument's noise (w: the declared values, relative) and `σ_m` the machine's repeatability, common to
+//! a stop. Targets on the bed stand still. The model can be contradicted by distances between targets of one stage
+//! (three targets or more), repeats, and the two sides of approach. Everything is linear about one adjustment: poses
+//! are known to micrometres, and effects are as small.
 //!
-//! - [`readings`]: when, where and on which sweep each point was measured.
-//! - [`base`]: the adjustment, and its derivatives; what effects of the catalogue do to the coordinates.
+//! - [`readings`]: time, place and sweep of each point.
+//! - [`base`]: the adjustment, its derivatives, and the effects of the catalogue on the coordinates.
 //! - [`noise`], [`model`], [`variances`]: whitening stop by stop, elimination of the poses, restricted maximum
-//!   likelihood, where the residuals demand it with unlike variances in three directions.
+//!   likelihood, with different variances in three directions if the residuals demand it.
 //! - [`gross_errors`]: points that contradict all others leave, before the search and beside its causes.
 //! - [`mod@wrong_points`]: those that `calibrate` leaves out, too.
-//! - [`doubted`]: whether too many contradict the others for that.
-//! - [`measured`]: what the search for causes ([`crate::engine`]) asks of them. A frame that moves as a whole cannot be
-//!   told from a machine that does: such twins are always given together.
-//! - [`beside`]: what wanders in a course that nobody knows joins the covariance.
+//! - [`doubted`]: whether too many points contradict the others for that.
+//! - [`measured`]: the points as the search for causes ([`crate::engine`]) needs them. A frame that moves as a whole
+//!   cannot be distinguished from a machine that does: both twins are always given.
+//! - [`beside`]: disturbances join the covariance.
 //! - [`omnibus`]: whether anything is left, and what it varies with.
-//! - [`believed`]: which causes are named.
-//! - [`held_out`]: the gain on sweeps that the model was not fitted to.
-//! - [`report`] puts it together; [`fitted`], [`places`] and [`not_observable`] report it with units.
+//! - [`believed`]: the causes that are named.
+//! - [`held_out`]: the gain on sweeps not used for the fit.
+//! - [`report`] combines everything; [`fitted`], [`places`] and [`not_observable`] report it with units.
 
 mod base;
 mod believed;

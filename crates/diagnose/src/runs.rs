@@ -1,10 +1,10 @@
-//! The runs of one axis against each other, where they were measured with other axes parked elsewhere.
+//! Comparison of the runs of one axis that were measured with other axes parked elsewhere.
 //!
-//! Each step of each run has a pose of its own in the adjustment of the lengths, so no coupling of axes
-//! contradicts them. Between runs it does: what a rigid machine leaves of the poses at the positions that runs
-//! share is white noise ([`RunComparison`]). What a unit of an effect does to it goes through the lengths and
-//! the whole calibration ([`trueaxis_calibrate::Responses::of_runs_to`]): the runs of other axes, which tell
-//! how the base stands, see the effect as well.
+//! Each step of each run has a pose of its own in the adjustment of the lengths, so no coupling of axes contradicts
+//! the lengths. It contradicts other runs: what a rigid machine leaves of the poses at positions shared by runs is
+//! white noise ([`RunComparison`]). The effect of a unit of a cause on it goes through the lengths and the whole
+//! calibration ([`trueaxis_calibrate::Responses::of_runs_to`]): the runs of other axes, which determine the base, see
+//! the effect as well.
 
 mod contradicting;
 mod fitted;
@@ -27,16 +27,16 @@ use crate::said::{Entry, Said};
 use crate::shares::Part;
 use crate::{Cause, Error, LevelReport, Misfit, OmnibusTest, Settings, Shares, Unexplained};
 
-/// Family-wise level of the causes, and level of the misfit of the runs: together 0.7 % of campaigns whose runs agree
-/// alarm.
+/// Family-wise level of the causes, and level of the misfit of the runs: together they raise an alarm in 0.7 % of
+/// campaigns whose runs agree.
 const CAUSE_LEVEL: f64 = 0.005;
 const MISFIT_LEVEL: f64 = 0.002;
 
-/// Causes that explain so much are named even if a remainder is significant: no machine sags by a product.
+/// Share of the misfit from which causes are named even if a remainder is significant: no machine sags by a product.
 const NEARLY_ALL: f64 = 0.9;
 
-/// Compares the runs of each axis that has several; `None` if none has, or if they share no positions. With the campaign
-/// with lengths less what the causes do to them, if there are any.
+/// Compares the runs of each axis that has several; `None` if none has, or if they share no positions. Also returns
+/// the campaign with its lengths less the effects of the causes, if there are any.
 pub(crate) fn diagnose_runs(
     campaign: &Campaign,
     scene: &Scene,
@@ -80,8 +80,8 @@ fn noise_dof(calibration: &Calibration) -> f64 {
     }
 }
 
-/// What a model leaves of the runs, with the probability that runs which agree differ as much: the noise of the poses is known with
-/// `noise_dof` degrees of freedom.
+/// Tests what a model leaves of the runs, with the probability that runs which agree differ as much; the noise of the
+/// poses has `noise_dof` degrees of freedom.
 fn test(model: &Projection, noise_dof: f64) -> OmnibusTest {
     #[expect(
         clippy::cast_possible_truncation,
@@ -101,7 +101,7 @@ fn test(model: &Projection, noise_dof: f64) -> OmnibusTest {
     }
 }
 
-/// As good as infinite: F is chi-squared to a part in a thousand.
+/// Practically infinite: F is chi-squared to a part in a thousand.
 const MANY: f64 = 1e5;
 
 fn compared(
@@ -181,7 +181,7 @@ fn compared(
     (said, corrected)
 }
 
-/// All comparisons one below the other.
+/// All comparisons in one projection, one below the other.
 fn projection(comparisons: &[RunComparison]) -> Projection {
     let rows: usize = comparisons.iter().map(|c| c.observations.len()).sum();
     let observations = comparisons.iter().flat_map(|c| &c.observations);
@@ -217,7 +217,7 @@ fn unexplained(p_value: f64, rms_um: f64, sigma_um: f64, share: f64) -> Unexplai
     }
 }
 
-/// `runs y and y2 of axis Y`.
+/// Description such as `runs y and y2 of axis Y`.
 fn in_words(scene: &Scene, comparisons: &[RunComparison]) -> String {
     let of_axis = |comparison: &RunComparison| {
         let runs = comparison.runs.join(", ");

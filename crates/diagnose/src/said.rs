@@ -1,25 +1,25 @@
-//! What each kind of data says, and how it is put together.
+//! The findings of each kind of data, and how they are combined.
 
 use crate::{
     Cause, Diagnosis, Disturbance, LevelReport, NotObservable, Rejected, Unexplained, Verdict,
 };
 
-/// What one level, or one part of a campaign, says.
+/// The findings of one level, or of one part of a campaign.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Said {
     /// Each set of data that was judged.
     pub(crate) entries: Vec<Entry>,
-    /// Named parts of error curves, which have no part in the verdict.
+    /// Named parts of error curves, which do not enter the verdict.
     pub(crate) curves: Vec<Cause>,
     /// Points and readings that were left out.
     pub(crate) rejected: Vec<Rejected>,
     /// Effects that the data cannot show.
     pub(crate) not_observable: Vec<NotObservable>,
-    /// What a user must know before using the outcome.
+    /// Notices for the user.
     pub(crate) notices: Vec<String>,
 }
 
-/// A set of data with its causes by rank, and what wanders; data and shares of all are those of the report.
+/// A set of data with its causes by rank, and its disturbances; data and shares of all are those of the report.
 #[derive(Debug, Clone)]
 pub(crate) struct Entry {
     pub(crate) report: LevelReport,
@@ -28,7 +28,7 @@ pub(crate) struct Entry {
 }
 
 impl Diagnosis {
-    /// Takes in what is said.
+    /// Adds the findings of one level.
     pub(crate) fn take(&mut self, said: Said) {
         said.entries
             .into_iter()
@@ -39,7 +39,7 @@ impl Diagnosis {
         self.notices.extend(said.notices);
     }
 
-    /// Takes in what one set of data says.
+    /// Adds the findings of one set of data.
     fn take_entry(&mut self, entry: Entry) {
         let Entry {
             mut report,
@@ -47,7 +47,7 @@ impl Diagnosis {
             mut disturbances,
         } = entry;
         for (cause, share) in causes.iter_mut().zip(&report.shares.causes) {
-            // What several verifications have in common has both already.
+            // A cause common to several verifications has both already.
             if cause.data.is_empty() {
                 cause.data.push(report.data.clone());
                 cause.share = Some(*share);

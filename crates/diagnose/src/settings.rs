@@ -1,11 +1,11 @@
-//! What to diagnose and how.
+//! What to diagnose, and how.
 
 /// Settings of a diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// How the campaign is calibrated where the diagnosis says what a cause changes.
+    /// How to calibrate the campaign to find what a cause changes.
     pub calibration: trueaxis_calibrate::Settings,
-    /// Whether to say what the calibrated error curves consist of (level components).
+    /// Whether to look for effects in the calibrated error curves (level components).
     pub explain_curves: bool,
 }
 

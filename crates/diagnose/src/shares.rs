@@ -1,15 +1,15 @@
-//! What parts of a misfit are, in squares, so that they add up to one.
+//! The parts of a misfit, in squares, so that they add up to one.
 //!
-//! With `S₀` the squares of the base model, the drop of a cause is averaged over all orders in which the causes can
-//! enter (Shapley), so that it does not matter which was found first:
+//! With `S₀` the squares of the base model, the drop by a cause is averaged over all orders in which the causes can
+//! enter (Shapley), so that the order in which they were found does not matter:
 //!
 //! ```text
 //! share of cause k = max(0, φ_k - columns of k)/S₀      noise = ν/S₀      unexplained = the rest
 //! ```
 //!
-//! A disturbance takes what causes and stronger disturbances leave: it enters after them, with the prior of its coefficients, and counts as
-//! many columns as the data take of them (`Σ x/(1 + x)`). `ν` are the degrees of freedom that are left. Where no test
-//! finds anything left, the rest is noise.
+//! A disturbance takes what causes and stronger disturbances leave: it enters after them, with the prior of its
+//! coefficients, and counts as many columns as the data determine (`Σ x/(1 + x)`). `ν` are the degrees of freedom
+//! that are left. If no test finds anything left, the rest is noise.
 
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -35,7 +35,7 @@ pub struct Shares {
     pub noise: f64,
 }
 
-/// What enters, as whitened columns.
+/// A part that enters, as whitened columns.
 #[derive(Debug, Clone)]
 pub(crate) enum Part {
     /// A cause: free coefficients.
@@ -45,9 +45,9 @@ pub(crate) enum Part {
 }
 
 impl Shares {
-    /// Of causes, then disturbances, in a base model; `is_left` if a test finds something beside them.
+    /// The shares of causes, then disturbances, in a base model; `is_left` if a test finds something beside them.
     pub(crate) fn of_parts(base: &Projection, parts: &[Part], is_left: bool) -> Self {
-        // Grown from the subset without its last part.
+        // Each model is that of the subset without its last part, extended by this part.
         let mut models = vec![base.clone()];
         for part in parts {
             let with = |model: &Projection| match part {
@@ -63,7 +63,7 @@ impl Shares {
             .collect();
         let all = subsets[0].0.max(f64::MIN_POSITIVE);
         let after = subsets[subsets.len() - 1];
-        // What each explains beyond what its columns explain of noise.
+        // The drop by each part beyond the expected drop by noise.
         let gained = |subset: usize, k: usize| {
             let (without, with) = (subsets[subset], subsets[subset | 1 << k]);
             (without.0 - with.0) - (without.1 - with.1)
@@ -71,7 +71,7 @@ impl Shares {
         let causes = parts.iter().filter(|p| matches!(p, Part::Free(_))).count();
         let share = |k: usize| {
             if k >= causes {
-                // After all causes and the disturbances before it.
+                // After all causes and the preceding disturbances.
                 return (gained((1 << k) - 1, k) / all).max(0.0);
             }
             let without = (0..1 << causes).filter(|subset: &usize| subset >> k & 1 == 0);
@@ -101,7 +101,7 @@ impl Shares {
     }
 }
 
-/// Part of all orders of `count` in which exactly a given set of `before` enters first: `s! (n - s - 1)!/n!`.
+/// Share of the orders of `count` parts in which exactly a given set of `before` comes first: `s! (n - s - 1)!/n!`.
 fn order_weight(before: u32, count: usize) -> f64 {
     let s = before as usize;
     let factorial = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();
@@ -112,7 +112,7 @@ fn order_weight(before: u32, count: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// Orthogonal columns explain 9 and 4, less one each; two alike share what one explains.
+    /// Orthogonal columns explain 9 and 4, less one each; two equal columns share what one explains.
     #[test]
     fn shares_add_up_and_do_not_depend_on_the_order() {
         let unit = |k: usize| {

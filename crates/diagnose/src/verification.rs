@@ -4,16 +4,16 @@
 //! measured - predicted = base model + causes + noise
 //! ```
 //!
-//! Readings are taken once ([`mod@given_once`]) and in the order of measuring ([`order`]). Each verification of the campaign is first
-//! judged by itself ([`mod@series`]): the prediction ([`comparison`]) with its own
-//! errors ([`prediction_error`]), what the measurement leaves open ([`base`]), the noise that the repeats
-//! show ([`noise_floor`]) and whether that of neighbours is alike ([`mod@autocorrelation`]), causes one at a time ([`search`]), whether they help on readings that were not
-//! used ([`held_out`]), what wanders beside them or instead of them ([`wandering`], [`competition`],
-//! [`mod@described`]), what else explains as much ([`instead`]), and whether anything is left ([`omnibus`]). Then all together ([`together`]): what the machine does in one line it does in the
-//! others, with one size. The paper's Figs. 10, 12 and 16 are this comparison.
+//! Repeated readings are removed ([`mod@given_once`]) and sorted ([`order`]). Each verification of the campaign is
+//! first judged by itself ([`mod@series`]): the prediction ([`comparison`]) with its errors ([`prediction_error`]),
+//! what the measurement leaves open ([`base`]), the noise by the repeats ([`noise_floor`]) and whether that of
+//! neighbours is alike ([`mod@autocorrelation`]), causes one at a time ([`search`]), their gain on unused readings
+//! ([`held_out`]), disturbances beside or instead of them ([`wandering`], [`competition`], [`mod@described`]), rivals
+//! ([`instead`]), and what is left ([`omnibus`]). Then all together ([`together`]): a cause in the machine has one
+//! size in all lines. The paper's Figs. 10, 12 and 16 are this comparison.
 //!
-//! Without a calibration the prediction is an ideal machine; a line then tells what differs between
-//! directions, cycles and lines, but not what its mean curve is made of.
+//! Without a calibration the prediction is an ideal machine; a line then shows differences between directions, cycles
+//! and lines, but not what its mean curve consists of.
 
 mod alike;
 mod another_curve;
@@ -92,11 +92,11 @@ use crate::verification::stops::slips_within_stops;
 use crate::verification::together::together;
 use crate::verification::turned::{put_right, turned};
 
-/// False alarms of all verifications of a campaign together: once for the causes, once for the omnibus
-/// tests.
+/// Probability of a false alarm for all verifications of a campaign together: once for the causes, once for the
+/// omnibus tests.
 const LEVEL: f64 = 0.01;
 
-/// Degrees of freedom below which nothing can be said.
+/// Fewest degrees of freedom for a judgement.
 const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
 
 /// Compares every verification of a campaign with the prediction of a calibration, or with an ideal
@@ -145,7 +145,7 @@ pub(crate) fn diagnose_verification(
         (verification.name.as_str(), comparison)
     });
     let comparisons: Vec<(&str, Comparison<'_>)> = comparisons.collect();
-    // Each by itself, and all together where there are several.
+    // Each is judged by itself, and all together if there are several.
     let looks = comparisons.len() + usize::from(comparisons.len() > 1);
     let level = LEVEL / looks.max(1) as f64;
     let judged = comparisons.iter().filter_map(|(name, comparison)| {
@@ -164,7 +164,7 @@ pub(crate) fn diagnose_verification(
     outcome
 }
 
-/// Leaves readings out that contradict all others, which are said.
+/// Leaves out readings that contradict all others, and reports them.
 fn leave_gross_errors_out(
     machine: &Machine,
     verification: &mut Verification,
@@ -195,7 +195,7 @@ fn leave_gross_errors_out(
     }
 }
 
-/// One verification judged by itself; none where nothing can be said, which is said. `level` is its part of the false alarms.
+/// One verification judged by itself; `None`, with a notice, for too few data. `level` is its share of the level.
 fn judged<'a>(
     name: &'a str,
     comparison: &'a Comparison<'a>,
@@ -240,7 +240,7 @@ fn judged<'a>(
     };
     let is_explained = curve.is_some();
     outcome.curves.extend(curve.into_iter().flatten());
-    // Without repeats the base model's misfit stands for the noise at first.
+    // Without repeats the misfit of the base model replaces the noise at first.
     let plain = posed(Noise::white(floor_um.unwrap_or(1.0)));
     if plain.listed.base.degrees_of_freedom < LEAST_DEGREES_OF_FREEDOM {
         let are_read_out =
@@ -258,14 +258,14 @@ fn judged<'a>(
     }
     let mut found = Series::new(name, plain);
     if floor_um.is_none() {
-        // Then what is left with the causes in the model.
+        // Then what is left with the causes in the model replaces it.
         for _ in 0..2 {
             let left_um = found.left_um().max(resolution_um);
             found = Series::new(name, posed(Noise::white(left_um)));
         }
         found.noise_floor_um = found.left_um().max(resolution_um);
     }
-    // Less noise than the last digit is alike for its own reasons.
+    // Noise below the last digit is alike for other reasons.
     let correlated = match hidden_um > 0.0 {
         true => None,
         false => alike_neighbours(&found, |noise| {
@@ -281,7 +281,7 @@ fn judged<'a>(
             found.plain.whitening.correlation
         ));
     }
-    // Late time stamps look like it.
+    // Late time stamps look similar.
     let mut others = found.model.causes.clone();
     others.retain(|cause| !found.plain.listed.hypothesis(cause).effect.is_delay());
     if let Some([size, most]) = beyond_drives(&found.plain, &others) {
@@ -300,14 +300,14 @@ fn judged<'a>(
              compare with one (--calibration)"
         ));
     }
-    // At one position after the other no cycle is a time.
+    // At one position after the other a cycle is not a period of time.
     if takes_turns(comparison) && differs_by_cycle(&found.plain) {
         outcome.notices.push(format!(
             "{name}: without time_s its rows were taken as a step cycle, position after position from either side in turn, but cycles differ, as those of an axis that went there and back do; then give time_s, or the rows in the order of measuring"
         ));
     }
     let unseen = not_observable(&found.plain, scene, name);
-    // What the mean curve absorbs was looked for in the curve itself.
+    // What the mean curve absorbs was sought in the curve itself.
     let is_of_curve =
         |own: &Effect| own.levels.contains(&Level::Components) && !own.is_lost_motion();
     let in_curve = |id: &str| is_explained && effect(id).is_some_and(is_of_curve);

@@ -12,8 +12,7 @@ use trueaxis_kinematics::{Axis, LocationError};
 
 use crate::{Error, Line, squareness};
 
-/// Largest angle to the nominal direction. Beyond it the measured axis is another one, or runs the
-/// other way.
+/// Largest angle to the nominal direction. Beyond it the measured axis is a different one, or runs the other way.
 const MAX_TILT_DEG: f64 = 45.0;
 
 /// Location errors of a measured axis of rotation (`X0? Y0? Z0?` in mm, `A0? B0? C0?` in rad).

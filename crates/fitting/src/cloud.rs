@@ -88,7 +88,7 @@ impl Cloud {
         pooled
     }
 
-    /// The point that is at `p` relative to the centroid, mm.
+    /// The point at `p` relative to the centroid, mm.
     pub(crate) fn to_mm(&self, p: Vector3<f64>) -> Point3<f64> {
         self.first_mm + (self.centroid_mm + p * self.unit_mm)
     }

@@ -10,9 +10,8 @@ use crate::{Error, Line, circles};
 /// The average axis of rotation with the circle of each target about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CommonAxis {
-    /// The axis. Its point is the one nearest to the centroid of all points; the points, in their
-    /// order, travel round its direction by the right-hand rule (where that can be told: not if they go to
-    /// and fro, or round by half turns).
+    /// The axis. Its point is the one nearest to the centroid of all points; in their order the points travel round
+    /// its direction by the right-hand rule (undetermined if they go to and fro, or round by half turns).
     pub axis: Line,
     /// The circles in the order given.
     pub circles: Vec<Circle>,

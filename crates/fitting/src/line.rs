@@ -18,12 +18,12 @@ pub struct Line {
     /// The point of the line that is nearest to the centroid of the points, mm. For
     /// [`fit_line`] it is the centroid.
     pub point_mm: Point3<f64>,
-    /// Direction; its sense is said at the function that makes the line.
+    /// Direction; the function that makes the line states its sense.
     pub direction: Unit<Vector3<f64>>,
 }
 
-/// Least relative difference between the spread along the line and across it. Closer than the
-/// square root of the rounding, the points have no direction of their own.
+/// Least relative difference between the spread along the line and across it. Below the square root of the rounding
+/// the points have no direction of their own.
 const MAIN_DIRECTION_TOL: f64 = 1.5e-8;
 
 /// The line with the least sum of squared orthogonal distances. Its direction leads from the

@@ -85,8 +85,8 @@ mod tests {
         Unit::new_normalize(UnitQuaternion::from_scaled_axis(tilt) * direction)
     }
 
-    /// Each of the three alone, at an angle where a wrong sign or factor would show: the relation
-    /// then is exact, for Eq. 23 measures the angle of a line that stays in one plane.
+    /// Each of the three alone, at an angle where a wrong sign or factor would show: the relation is then exact,
+    /// because Eq. 23 measures the angle of a line that stays in one plane.
     #[test]
     fn each_angle_alone_is_exact_up_to_its_sign() {
         let angle = 0.1;
@@ -108,8 +108,8 @@ mod tests {
         }
     }
 
-    /// All together and in a turned frame: the signs hold to first order, the difference is of
-    /// second order (and is there, so that the test does not compare a thing with itself).
+    /// All together and in a turned frame: the signs hold to first order. The difference is of second order (and not
+    /// zero, so the test does not compare a thing with itself).
     #[test]
     fn together_they_agree_to_first_order() {
         for size in [1e-3, 1e-4, 1e-5] {

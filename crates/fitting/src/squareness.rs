@@ -7,8 +7,8 @@ use nalgebra::{Unit, Vector3};
 ///
 /// Right-hand rule: the average Y line `(-sin s, cos s, 0)` has `C0Y = s`, to first order the
 /// average Z line `(B0Z, -A0Z, 1)` has `A0Z` and `B0Z`. The part about the nominal direction
-/// itself is zero. Both directions have the sense of positive motion, in the reference frame; two
-/// that are opposite give half a turn about some axis across.
+/// itself is zero. Both directions have the sense of positive motion, in the reference frame; opposite directions
+/// give half a turn about some axis across them.
 pub fn squareness(nominal: Unit<Vector3<f64>>, average: Unit<Vector3<f64>>) -> Vector3<f64> {
     let cross = nominal.cross(&average);
     let (sine, cosine) = (cross.norm(), nominal.dot(&average));

@@ -17,15 +17,15 @@
 //!                                                                                            | -1  0 |
 //! ```
 //!
-//! with `W = Σ Π Q D Qᵀ Πᵀ / n²` and `W_z = Σ Π Q Z / n`. The equations are weighted with the covariance of
-//! what they are about,
+//! with `W = Σ Π Q D Qᵀ Πᵀ / n²` and `W_z = Σ Π Q Z / n`. The equations are weighted with the covariance of the
+//! points about the shape,
 //!
 //! ```text
 //! C_i = D_i - (D_i V_iᵀ + V_i D_i) / n + Q_iᵀ W Q_i + T_i Σ T_iᵀ     V = Qᵀ Π Q     T = Z - Qᵀ W_z
 //! ```
 //!
-//! Weighting with the covariance of the points alone would trust the shape as if it were exact, and take
-//! what the stations' errors do to the shape for a rotation.
+//! Weighting with the covariance of the points alone would treat the shape as exact, and mistake the effect of the
+//! stations' errors on the shape for a rotation.
 
 use std::ops::Range;
 
@@ -42,7 +42,7 @@ use crate::{
 /// A body at one step.
 #[derive(Debug, Clone)]
 pub struct BodyStep {
-    /// Points' frame from home, where the body should be: the start.
+    /// Points' frame from home, nominal: the start of the iteration.
     pub nominal: Isometry3<f64>,
     /// The measured points, targets in order, mm.
     pub points_mm: Vec<Point3<f64>>,
@@ -50,19 +50,19 @@ pub struct BodyStep {
 
 /// The errors of the points of a body: `D` (3T x 3T, mm²) and `Z` (3T rows) of a step, and `Σ`.
 pub struct BodyNoise<'a> {
-    /// `D` and `Z` of the step of that number.
+    /// `D` and `Z` of the step with this number.
     pub of_step: &'a (dyn Fn(usize) -> (DMatrix<f64>, DMatrix<f64>) + Sync),
     /// `Σ`: covariance of the shared parameters.
     pub shared: &'a DMatrix<f64>,
 }
 
-/// What errors of the points do to the poses of a body.
+/// The errors of the poses of a body that follow from those of the points.
 pub struct BodyPoseNoise {
     /// `G D Gᵀ` of each step, mm² and rad².
     pub own: Vec<Matrix6<f64>>,
     /// `[G Z - S W_z | S | N]` of each step.
     pub coupling: Vec<Matrix6xX<f64>>,
-    /// Covariance of the sources that the shape adds: `[[W, -1], [-1, 0]]`. Indefinite; makes sense only
+    /// Covariance of the sources that the shape adds: `[[W, -1], [-1, 0]]`. It is indefinite and has a meaning only
     /// between couplings.
     pub of_shape: DMatrix<f64>,
 }
@@ -71,7 +71,7 @@ pub struct BodyPoseNoise {
 pub struct BodyPoses {
     /// The targets at home, mm.
     pub shape_mm: Vec<Point3<f64>>,
-    /// The point of the body, at home, whose translation the first three elements of a twist are, mm.
+    /// The point of the body, at home, whose translation is the first half of a twist, mm.
     pub pivot_mm: Point3<f64>,
     /// One for each step.
     pub steps: Vec<StepPose>,
@@ -86,16 +86,16 @@ pub struct StepPose {
     pub about_shape: DMatrix<f64>,
     /// Measured minus predicted points, mm.
     pub deltas_mm: Vec<Vector3<f64>>,
-    /// What an unweighted rigid fit leaves of these, turned home, mm.
+    /// What an unweighted rigid fit leaves of `deltas_mm`, turned home, mm.
     pub distortion_mm: Vec<Vector3<f64>>,
     /// `Q`.
     pub home_from_points: Matrix3<f64>,
 }
 
-/// Shapes are settled when no coordinate changes by more, mm.
+/// Shapes are settled when no coordinate changes by more than this, mm.
 const SETTLED_MM: f64 = 1e-10;
 
-/// Each pass leaves a ten-thousandth (the size of the errors in rad) of the change before it.
+/// Each pass changes the shape by a ten-thousandth (the size of the errors in rad) of the change before.
 const MAX_PASSES: usize = 60;
 
 /// The shape and the poses of a body with targets at `nominal_mm` at home.
@@ -178,7 +178,7 @@ impl BodyPoses {
         &self.shape.projection / self.shape.steps
     }
 
-    /// What errors of the points do to the poses.
+    /// The errors of the poses for this noise of the points.
     pub fn noise(&self, noise: &BodyNoise<'_>) -> BodyPoseNoise {
         let turns = |i: usize| self.steps[i].home_from_points;
         let shape = self.shape.with_noise(&turns, self.steps.len(), noise);
@@ -216,8 +216,8 @@ impl BodyPoses {
         }
     }
 
-    /// The twists of the poses for displacements of the points (`errors_mm`: x y z of each target, for each
-    /// step), with the operators as they are.
+    /// The twists of the poses for displacements of the points (`errors_mm`: x y z of each target, for each step),
+    /// with unchanged operators.
     pub fn twists(&self, errors_mm: &[DVector<f64>]) -> Vec<Vector6<f64>> {
         let mut shape = DVector::zeros(self.shape.projection.nrows());
         for (step, errors) in self.steps.iter().zip(errors_mm) {
@@ -237,8 +237,8 @@ impl BodyPoses {
     }
 }
 
-/// The shape as a function of the points, and its noise; both zero for a body of a single step, which is all
-/// the shape there is, and for targets on a line, which the identification refuses.
+/// The shape as a function of the points, and its noise. Both are zero for a body with a single step, whose points
+/// are the shape, and for targets on a line, which the identification refuses.
 #[derive(Clone)]
 struct Shape {
     /// `Π`.
@@ -270,7 +270,7 @@ impl Shape {
         .with_noise(&|i| home_from_points(&steps[i]), steps.len(), noise)
     }
 
-    /// The same shape with other noise of the points; `turn` is `Q` of each step.
+    /// The same shape for another noise of the points; `turn` is `Q` of each step.
     fn with_noise(
         &self,
         turn: &(dyn Fn(usize) -> Matrix3<f64> + Sync),
@@ -289,7 +289,7 @@ impl Shape {
             }
             (own, coupling)
         };
-        // Pieces of fixed size, added in order: the same bits on any number of threads.
+        // Pieces have a fixed size and are added in order: the bits do not depend on the number of threads.
         let pieces: Vec<Range<usize>> = (0..steps)
             .step_by(PIECE)
             .map(|first| first..steps.min(first + PIECE))

@@ -8,12 +8,12 @@ use crate::Error;
 /// coordinates. Products and inverses in f64 stay far below it; a wrong index does not.
 const SYMMETRY_TOL: f64 = 1e-9;
 
-/// Least variance of a coordinate given the coordinates before it, relative to the variances that
-/// the covariance is computed from. A share below it is lost in their rounding.
+/// Least variance of a coordinate given the coordinates before it, relative to the variances from which the
+/// covariance is computed: a smaller one is lost in rounding.
 const CONDITIONAL_VARIANCE_TOL: f64 = 1e-12;
 
-/// `C = L Lᵀ` for a C known to be symmetric; `variances_mm2` holds, for each of its coordinates,
-/// the size of the numbers that it is computed from.
+/// `C = L Lᵀ` for a C known to be symmetric; `variances_mm2` holds, for each of its coordinates, the size of the
+/// numbers from which it is computed.
 ///
 /// # Errors
 /// [`Error::Covariance`] if C is not safely positive definite.

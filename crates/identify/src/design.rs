@@ -4,17 +4,16 @@ use nalgebra::{Dyn, Matrix3, MatrixXx6, OMatrix, U6, Vector3};
 
 use crate::Error;
 
-/// How close to degenerate a geometry may be, relative to its size.
+/// Largest distance from a degenerate geometry, relative to the size of the targets, that counts as degenerate.
 ///
-/// The coordinates of targets are known to about 1e-6 of the distances between them (0.3 µm in
-/// 300 mm): a geometry that is closer than this to a degenerate one cannot be told from it.
+/// The coordinates of targets are known to about 1e-6 of the distances between them (0.3 µm in 300 mm).
 pub(crate) const GEOMETRY_TOL: f64 = 1e-6;
 
 /// The nine (or 3T) equations: the matrix `[I, M_j]` of the paper's Eq. 21.
 ///
-/// Its rows are those of Eq. 8 for each target, which make Eq. 9 for a linear axis, and of Eq. 15,
-/// which make Eq. 16 for a rotary one; the coordinates of Eq. 19 make them one. (Eqs. 5-7 and
-/// 12-14 are the right-hand side `Δ`: measured minus ideal position.)
+/// Its rows are those of Eq. 8 for each target, together Eq. 9 for a linear axis, or of Eq. 15, together Eq. 16 for a
+/// rotary axis; with the coordinates of Eq. 19 both are the same. (Eqs. 5-7 and 12-14 are the right-hand side `Δ`:
+/// measured minus ideal position.)
 ///
 /// `r` holds the generalised coordinates of the targets relative to the reference point of δ, mm
 /// (Eq. 19: turned by the commanded angle, or in [`crate::pose_from_points`] by the pose itself). Rows are Px Py Pz Qx Qy Qz Kx Ky Kz and so
@@ -74,8 +73,7 @@ impl CentredTargets {
         equations(&self.scaled)
     }
 
-    /// From solutions of [`CentredTargets::equations`] to δ at the reference point and ε in rad:
-    /// `δ = δ_c - ε × c`.
+    /// From solutions of [`CentredTargets::equations`] to δ at the reference point and ε in rad: `δ = δ_c - ε × c`.
     pub(crate) fn unscale(&self, mut solutions: OMatrix<f64, U6, Dyn>) -> OMatrix<f64, U6, Dyn> {
         for mut solution in solutions.column_iter_mut() {
             let rotation = solution.fixed_rows::<3>(3) / self.gyration_mm;

@@ -1,8 +1,8 @@
-//! Why six component errors cannot be had from these points.
+//! Why points do not determine six component errors.
 
 use crate::SixRows;
 
-/// Points that do not determine the six component errors, or input that is not what it should be.
+/// Points that do not determine the six component errors, or malformed input.
 ///
 /// Targets and rows of a covariance are counted from 0 in the order in which they were given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -58,8 +58,8 @@ pub enum Error {
         /// The entry at (column, row), mm².
         lower: f64,
     },
-    /// The covariance is not positive definite; for [`crate::rigid_misfit`] this concerns the part
-    /// of it that no rigid motion reaches.
+    /// The covariance is not positive definite; for [`crate::rigid_misfit`] the part of it that no rigid motion
+    /// reaches.
     #[error(
         "the covariance of the points is not positive definite: its eigenvalues reach from \
          {smallest_mm2} to {largest_mm2} mm²"
@@ -89,7 +89,7 @@ pub enum Error {
         /// Determinant of the six equations, mm³; for [`SixRows::PAPER`] it is the paper's N.
         determinant_mm3: f64,
     },
-    /// A choice of rows that is so near to singular at a step that the distortion of its points leaves no pose.
+    /// A choice of rows so nearly singular at a step that the distortion of its points leaves no pose.
     #[error(
         "equations {rows} are near singular for these targets, condition number {condition:.0}: no pose gives the \
          six coordinates that were measured"
@@ -100,7 +100,7 @@ pub enum Error {
         /// Condition number of the centred and scaled six equations in the nominal pose.
         condition: f64,
     },
-    /// Newton's method on a pose went astray.
+    /// Newton's method on a pose did not converge.
     #[error(
         "no pose fits the points: after {iterations} steps from the nominal pose the next one would \
          still move a target by {step_mm:.3e} mm"

@@ -24,9 +24,9 @@ pub struct RigidMisfit {
 
 /// Compares the volumetric errors of a step with the rigid motion that `operator` finds in them.
 ///
-/// `delta` is what [`Operator::apply`] takes, mm; `covariance` that of the points, 3T x 3T, mm².
-/// The residuals are those of `operator`. χ² depends on the points alone: with `B` an orthonormal
-/// basis of what no rigid motion reaches (`Bᵀ A = 0`),
+/// `delta` is the input of [`Operator::apply`], mm; `covariance` that of the points, 3T x 3T, mm². The residuals are
+/// those of `operator`. χ² depends on the points alone: with `B` an orthonormal basis of what no rigid motion reaches
+/// (`Bᵀ A = 0`),
 ///
 /// ```text
 /// χ² = (Bᵀ Δ)ᵀ (Bᵀ C B)⁻¹ (Bᵀ Δ)

@@ -22,8 +22,8 @@ pub fn nine(r: &[Vector3<f64>]) -> Result<Operator, Error> {
 /// Generalised least squares over all 3T equations, `P = (Aᵀ C⁻¹ A)⁻¹ Aᵀ C⁻¹`: the estimate of
 /// least variance when C is the covariance of the points.
 ///
-/// `covariance` is 3T x 3T, mm², targets in order, x y z within each. Only its shape matters, not
-/// its scale; errors that move the targets as one rigid body may be in it or not.
+/// `covariance` is 3T x 3T, mm², targets in order, x y z within each. Only its shape matters, not its scale; errors
+/// that move the targets as one rigid body do not matter.
 ///
 /// # Errors
 /// As [`nine`], and [`Error::CovarianceShape`], [`Error::CovarianceAsymmetric`],

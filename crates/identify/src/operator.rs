@@ -10,8 +10,8 @@ use crate::design::CentredTargets;
 /// The six component errors as a linear function of the volumetric errors of the targets:
 /// `E = P Δ` with `P A = I`, where `A` is the matrix of [`crate::equations`].
 ///
-/// Made by [`crate::nine()`], [`crate::nine_weighted`] or [`crate::SixRows::operator`]. It belongs
-/// to one geometry: one serves all steps of a linear axis, a rotary axis needs one for each angle.
+/// Made by [`crate::nine()`], [`crate::nine_weighted`] or [`crate::SixRows::operator`]. It belongs to one geometry: a
+/// linear axis needs one for all steps, a rotary axis one for each angle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Operator {
     targets: Vec<Vector3<f64>>,
@@ -34,7 +34,7 @@ impl Operator {
     /// The component errors of a step from the volumetric errors of its targets, mm.
     ///
     /// `delta` holds measured minus ideal position of each target in the order of the targets.
-    /// What is not finite in it is not finite in the result. Nothing is allocated.
+    /// Numbers that are not finite give results that are not finite. Nothing is allocated.
     ///
     /// # Panics
     /// If `delta` does not have one vector for each target.
@@ -65,7 +65,7 @@ impl Operator {
     /// Standard deviations of δx δy δz (mm) and εx εy εz (rad) for independent noise of standard
     /// deviation 1 mm on every coordinate of every target: `sqrt(diag(P Pᵀ))`.
     ///
-    /// By linearity it is also µm per µm, and rad per mm.
+    /// The same numbers are µm per µm, and rad per mm.
     pub fn noise_gain(&self) -> Vector6<f64> {
         let squares = self.matrix.component_mul(&self.matrix);
         squares.column_sum().map(f64::sqrt)
@@ -75,7 +75,7 @@ impl Operator {
     /// (3T x 3T, mm², targets in order, x y z within each).
     ///
     /// # Errors
-    /// [`Error::CovarianceShape`] or [`Error::CovarianceAsymmetric`]. It may be singular.
+    /// [`Error::CovarianceShape`] or [`Error::CovarianceAsymmetric`]. A singular C is allowed.
     pub fn covariance(&self, points: &DMatrix<f64>) -> Result<Matrix6<f64>, Error> {
         require_covariance(points, 3 * self.targets.len())?;
         Ok(&self.matrix * points * self.matrix.transpose())

@@ -1,15 +1,15 @@
 //! From the measured points of a step to the pose of its stage.
 //!
-//! The equations are linear in the errors of a pose near the true one. With the targets `s_j` on the
-//! stage at home and a pose `T`, they see the volumetric errors
+//! The equations are linear in the errors of a pose near the true one. With the targets `s_j` on the stage at home
+//! and a pose `T`, the volumetric errors are
 //!
 //! ```text
 //! Δ_j = p_j - T s_j = δ + ε × r_j        r_j = T s_j - T c
 //! ```
 //!
-//! about the pivot `c`. Turning `T` by ε and shifting it by δ, and solving again, leaves no
-//! second-order error (Newton's method). What a displacement of the points does to the pose is then
-//! the operator of the last equations, `dT = G dp`.
+//! about the pivot `c`. Turning `T` by ε, shifting it by δ and solving again leaves no second-order error (Newton's
+//! method). The effect of displacements of the points on the pose is then the operator of the last equations, `dT = G
+//! dp`.
 
 use nalgebra::{DMatrix, Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use trueaxis_kinematics::MotionError;
@@ -26,15 +26,15 @@ pub enum Equations {
     Six(SixRows),
 }
 
-/// What is known of one step; the covariance has x y z of each target, targets in order.
+/// The input of one step; the covariance has x y z of each target, targets in order.
 #[derive(Debug, Clone, Copy)]
 pub struct StepPoints<'a> {
     /// The targets on the stage at home, mm.
     pub shape_mm: &'a [Point3<f64>],
     /// The measured points, in any frame that stands still, mm.
     pub points_mm: &'a [Point3<f64>],
-    /// Covariance of the points about the shape for all noise, that of what steps share and of the
-    /// shape itself too, 3T x 3T, mm²: the weights, and the measure of the rigid misfit.
+    /// Covariance of the points about the shape for all noise, including that shared by steps and that of the shape,
+    /// 3T x 3T, mm²: for the weights and the rigid misfit.
     pub about_shape: &'a DMatrix<f64>,
 }
 
@@ -54,19 +54,19 @@ pub struct MeasuredPose {
 /// Rounding of a coordinate, relative to the largest, with a margin for the sums it is part of.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// A pose 0.1 rad off takes four steps. More are a shape that does not fit the points at all.
+/// A pose 0.1 rad off takes four steps. With more the shape does not fit the points at all.
 const MAX_ITERATIONS: usize = 50;
 
-/// Condition number of six rows from which on the distortion of a triangle by noise may leave them without a pose: 59 and more were
-/// met where it did. With a smaller one the points are no such triangle.
+/// Condition number of six rows from which the distortion of a triangle by noise may leave them without a pose: this
+/// occurred from 59 on. With a smaller one the points are not the triangle.
 const NEAR_SINGULAR: f64 = 30.0;
 
-/// The pose in which the targets of a stage are where they were measured, by the paper's equations
-/// ([`crate::equations`], Eq. 21), with the volumetric errors of Eqs. 5 to 7 and 12 to 14 as right-hand side.
+/// The pose of a stage that puts its targets where they were measured, by the paper's equations
+/// ([`crate::equations`], Eq. 21) with the volumetric errors of Eqs. 5 to 7 and 12 to 14 as right-hand side.
 ///
-/// `nominal` (points' frame from stage at home) is where Newton's method starts: six coordinates
-/// alone are the same in more than one pose, of which the one near it is found. `pivot_mm` is the
-/// point of the stage, at home, whose translation δ is.
+/// `nominal` (points' frame from stage at home) is the start of Newton's method: more than one pose has the same six
+/// coordinates, and the one near the start is found. `pivot_mm` is the point of the stage, at home, whose translation
+/// is δ.
 ///
 /// ```
 /// use nalgebra::{DMatrix, Isometry3, Point3, Vector3};
@@ -130,8 +130,8 @@ pub fn pose_from_points(
     }
 }
 
-/// What a step leaves for the next one, mm: its square on the longest lever, and what turning the
-/// equations by it makes of the distortion of the points.
+/// Estimate of what is left after a step, mm: the square of the step on the longest lever, and the distortion of the
+/// points times the rotation of the equations by the step.
 fn left_by(change: &MotionError, levers_mm: &[Vector3<f64>], deltas_mm: &[Vector3<f64>]) -> f64 {
     let longest = |v: &[Vector3<f64>]| v.iter().map(|v| v.norm()).fold(0.0, f64::max);
     let angle = change.rotation_rad.norm();
@@ -192,7 +192,7 @@ impl StepPoints<'_> {
         both.map(|p| p.coords.amax()).fold(0.0, f64::max)
     }
 
-    /// `operator` is that of a pose that differs by less than matters to it.
+    /// `operator` may be that of a pose that differs negligibly.
     fn measured(
         &self,
         points_from_home: Isometry3<f64>,

@@ -1,5 +1,5 @@
-//! Orthogonal factors of the equations, which part displacements of the targets into a rigid motion
-//! and a distortion.
+//! Orthogonal factors of the equations, which split displacements of the targets into a rigid motion and a
+//! distortion.
 //!
 //! With the centred equations `A = Q₁ R` and an orthonormal basis `B` of what no rigid motion
 //! reaches (`Bᵀ A = 0`; 3T - 6 columns, three for a triangle),
@@ -10,8 +10,8 @@
 //! test of rigidity           χ² = (Bᵀ Δ)ᵀ (Bᵀ C B)⁻¹ (Bᵀ Δ)
 //! ```
 //!
-//! (`P A = I`, and the estimate does not correlate with the distortions: `P C B = 0`. C. R. Rao,
-//! Least squares theory using an estimated dispersion matrix, 1967.)
+//! (`P A = I`, and the estimate is uncorrelated with the distortions: `P C B = 0`. C. R. Rao, Least squares theory
+//! using an estimated dispersion matrix, 1967.)
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, OMatrix, U6, Vector3};
 
@@ -39,7 +39,7 @@ impl RigidFactors {
         qr.q_tr_mul(&mut q_transposed);
         let mut plain = q_transposed.fixed_rows::<6>(0).into_owned();
         let upper = qr.r().fixed_rows::<6>(0).into_owned();
-        // Targets that are not collinear give a regular R; a zero on its diagonal says the same.
+        // Targets that are not collinear give a regular R; a zero on its diagonal shows that they are.
         if !upper.solve_upper_triangular_mut(&mut plain) {
             return Err(Extent::of(r).collinear());
         }

@@ -45,7 +45,7 @@ impl SixRows {
         }
     }
 
-    /// All 84 choices, the 6 that never work among them.
+    /// All 84 choices, including the 6 that never work.
     pub fn all() -> impl Iterator<Item = Self> {
         (0..1 << 9)
             .filter(|mask: &u16| mask.count_ones() == 6)

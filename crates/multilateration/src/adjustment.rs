@@ -1,9 +1,9 @@
 //! The adjustment of a network: the linearised lengths, group by group.
 //!
-//! Block unknowns are those of the groups: the coordinates of free points, or the six of the pose of a
-//! body ([`crate::linearise`]). Shared unknowns are the stations and dead paths, four each: `x y z L`, behind
-//! them the dead paths after interruptions, behind these the deformations of all bodies, the mean constant of the
-//! reflectors where dead paths are known, and last the contrasts of these constants.
+//! Block unknowns belong to one group: the coordinates of its free points, or the six of the pose of its body
+//! ([`crate::linearise`]). Shared unknowns are, in this order, `x y z L` of each station (position and dead path),
+//! the dead paths after interruptions, the deformations of all bodies, the mean constant of the reflectors where dead
+//! paths are known, and the contrasts of the reflectors' constants.
 
 use std::sync::Arc;
 
@@ -50,7 +50,7 @@ impl<'a> GroupAdjustment<'a> {
         self.columns.count
     }
 
-    /// What is known of them, at a state.
+    /// What is known of the shared unknowns, at a state.
     pub(crate) fn known_rows(&self, state: &State) -> Vec<KnownRow> {
         self.network.known_rows(self.columns, state)
     }
@@ -65,7 +65,7 @@ impl<'a> GroupAdjustment<'a> {
         self.weigh(batch, memory);
     }
 
-    /// Takes the points of a batch, and what they are tied to.
+    /// Takes the points of a batch and, if it has a body, the poses that tie them.
     #[inline(always)]
     pub(crate) fn take(&self, state: &State, batch: &Batch, memory: &mut Memory) {
         take_points(batch, batch.own(&state.points), &mut memory.beams.points);
@@ -74,7 +74,7 @@ impl<'a> GroupAdjustment<'a> {
         }
     }
 
-    /// Makes the equations of a batch whose beams are there, without weights.
+    /// Makes the equations of a batch whose beams are filled, without weights.
     #[inline(always)]
     pub(crate) fn fill_rows(&self, batch: &Batch, gauge: Gauge, memory: &mut Memory) {
         let Memory {

@@ -9,9 +9,9 @@
 //! `w` is standard normal if nothing is wrong (W. Baarda, A testing procedure for use in geodetic
 //! networks, 1968). `c` is one reading, or all readings of a visit.
 //!
-//! A reading whose own variance is inflated by a factor `f` has all but left the adjustment; `∇` is
-//! then its distance from what the others predict, and `1/den - (f - 1) σ²` the variance of that if
-//! nothing were wrong. So readings are tested alike whether they take part or not.
+//! If the own variance of a reading is inflated by a large factor `f`, the reading has all but left the adjustment:
+//! `∇` is its distance from what the others predict, and `1/den - (f - 1) σ²` (`den`: denominator of `∇`) the
+//! variance of that distance without an error. So readings are tested alike, whether they take part or not.
 
 use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product, subtract_product};
 use trueaxis_leastsquares::{Lanes, lanes_only, zeros};
@@ -32,23 +32,23 @@ pub struct ReadingTest {
     pub error_mm: f64,
     /// Standard deviation of the estimated error, mm; infinite where nothing checks the reading.
     pub sigma_mm: f64,
-    /// Part of an error in it that the residuals keep, from 0 to 1.
+    /// Share of the squared whitened error that the residuals keep, from 0 to 1.
     pub kept: f64,
-    /// Redundancy number: the part of an error in the reading that shows in its residual, from 0 (nothing checks it:
-    /// the error goes wholly into the result) to 1. Lengths of a visit that correlate through the machine's
-    /// repeatability may leave this range. Their sum is [`Solution::degrees_of_freedom`].
+    /// Redundancy number: the part of an error in the reading that shows in its residual, from 0 (nothing checks the
+    /// reading: the error goes wholly into the result) to 1. It may leave this range for lengths of a visit that
+    /// correlate through the machine's repeatability. The sum over all readings is [`Solution::degrees_of_freedom`].
     ///
     /// `r = diag(I - J Q Jᵀ C⁻¹)` with the Jacobian `J` and the covariance `Q` of the unknowns.
     pub redundancy: f64,
 }
 
-/// Below this part of a reading's weight, what the residuals keep of an error in it is rounding.
+/// If the residuals keep less than this share of an error, what they keep is rounding.
 pub const CHECKED_TOL: f64 = 1e-9;
 
 /// The tests of all readings and visits, in measuring order.
 #[derive(Debug, Default)]
 pub struct Tests {
-    /// Of every reading.
+    /// The test of every reading.
     pub readings: Vec<ReadingTest>,
     /// Baarda's w of an equal error in all lengths of each visit: the machine stood elsewhere, or the
     /// beam was lost and found again. Zero for visits of a single length.
@@ -125,7 +125,7 @@ struct BatchTests {
     through: Vec<Lanes>,
     /// `I - O Oᵀ - T Σ Tᵀ` of a visit.
     kept: Vec<Lanes>,
-    /// A whitened error, and that of all readings of a visit.
+    /// The whitened unit error of one reading, and the sum of those of all readings of the visit.
     unit: Vec<Lanes>,
     all: Vec<Lanes>,
     /// A row of `L`.
@@ -189,7 +189,7 @@ impl BatchTests {
         }
     }
 
-    /// Appends the tests of the groups of a batch with these variances, whose readings are in these slots.
+    /// Appends the tests of the groups of a batch with these variances, whose readings have these slots.
     fn append(
         &self,
         (network, by_group): (&Network, &VisitsByGroup),
@@ -244,7 +244,7 @@ impl LaneTest {
         self.denominator.0[lane] > CHECKED_TOL * self.squares.0[lane]
     }
 
-    /// The test of a reading whose own variance is inflated by so much, mm².
+    /// The test of a reading whose own variance is inflated by `inflation`, mm².
     fn reading(&self, lane: usize, inflation: f64) -> ReadingTest {
         let redundancy = self.redundancy.0[lane];
         if !self.is_checked(lane) {
@@ -267,7 +267,7 @@ impl LaneTest {
         }
     }
 
-    /// Baarda's w of an error that nothing inflates.
+    /// Baarda's w of an error where no variance is inflated.
     fn w(&self, lane: usize) -> f64 {
         match self.is_checked(lane) {
             true => self.numerator.0[lane] / self.denominator.0[lane].sqrt(),

@@ -19,7 +19,7 @@ use crate::tie::Tie;
 use crate::visit_weights::{by_visit, is_read, own_variance};
 use crate::{Network, Solution};
 
-/// Batches that one thread takes at a time, and that one partial sum is made of.
+/// Batches that one thread takes at a time, each time for one partial sum.
 const PIECE: usize = 32;
 
 /// A solved network, ready to say what each batch contributed.
@@ -35,11 +35,11 @@ pub(crate) struct BatchRows {
     /// `O`, `T` and the residuals, rows in the order of the slots.
     pub(crate) hat: HatRows,
     memory: Memory,
-    /// `L⁻¹` of each visit, all its elements row by row, one visit after the other.
+    /// `L⁻¹` of each visit, its rows one after the other, one visit after the other.
     unit_errors: Vec<Lanes>,
     /// Variance of the length of each slot without the machine's repeatability, mm².
     pub(crate) variances: Vec<Lanes>,
-    /// One where there is a reading, zero where there is none.
+    /// One where a slot has a reading, zero where there is none.
     pub(crate) there: Vec<Lanes>,
 }
 
@@ -87,8 +87,8 @@ impl<'a> BatchInfluence<'a> {
         starts.map(move |start| start..batches.min(start + PIECE))
     }
 
-    /// What `work` makes of pieces of the batches, in order, on all threads and with the widest registers
-    /// ([`in_widest_registers`]).
+    /// The results of `work` on the pieces of the batches, in order; `work` runs on all threads with the widest
+    /// registers ([`in_widest_registers`]).
     pub(crate) fn of_pieces<T: Send>(
         &self,
         work: impl Fn(Range<usize>, &mut BatchRows) -> T + Sync + Send,
@@ -100,7 +100,7 @@ impl<'a> BatchInfluence<'a> {
         )
     }
 
-    /// The same of pieces and what belongs to each.
+    /// The same as [`Self::of_pieces`], where each piece takes a part of its own along.
     pub(crate) fn with_pieces<P: Send, T: Send>(
         &self,
         parts: Vec<P>,
@@ -117,8 +117,8 @@ impl<'a> BatchInfluence<'a> {
         pieces.map_init(BatchRows::default, of_piece).collect()
     }
 
-    /// Takes the rows of batch `b`, with the widest registers: inlined in all that needs them, it would take
-    /// minutes to compile.
+    /// Takes the rows of batch `b`, with the widest registers. Inlined at every caller this would take minutes to
+    /// compile.
     #[inline(never)]
     pub(crate) fn fill(&self, b: usize, rows: &mut BatchRows) {
         in_widest_registers(
@@ -216,18 +216,18 @@ impl BatchRows {
         &self.memory.beams.points
     }
 
-    /// Writes the whitened derivatives of a slot by the shared unknowns to the front of `place`, which is zero.
+    /// Writes the whitened derivatives of a slot by the shared unknowns to the front of `place`, which must be zero.
     #[inline(always)]
     pub(crate) fn copy_shared_row(&self, slot: usize, place: &mut [Lanes]) {
         self.memory.equations.copy_shared_row(slot, place);
     }
 
-    /// What ties the points of a batch of a body.
+    /// What ties the points of a batch that has a body.
     pub(crate) fn tie(&self) -> &Tie {
         &self.memory.tie
     }
 
-    /// The visits of the batch that was taken.
+    /// The visits of the batch whose rows these are.
     #[inline(always)]
     pub(crate) fn visits<'r>(&'r self, batch: &'r Batch) -> impl Iterator<Item = VisitPart<'r>> {
         let mut rest = self.unit_errors.as_slice();

@@ -1,8 +1,8 @@
 //! The groups of a network, eight at a time.
 //!
-//! The groups of a batch follow each other and have as many points each. Their readings are put in
-//! slots ([`crate::slots`]). A group that lacks a reading has a zero weight in its slot, so that missing
-//! readings cost nothing but space, and a campaign measured by a plan has full slots.
+//! The groups of a batch are consecutive and have equally many points. Their readings are put in slots
+//! ([`crate::slots`]). A group without a reading for a slot has zero weight there: missing readings cost only space,
+//! and a campaign measured by a plan has full slots.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -26,11 +26,11 @@ pub(crate) struct Batch {
     pub(crate) points: usize,
     /// The body that the points are tied to.
     pub(crate) body: Option<usize>,
-    /// Whether all groups see the places of their body in one order.
+    /// Whether the points of all groups have the same order on their body.
     are_alike: bool,
-    /// Whether they stand on the bed.
+    /// Whether the points are on the bed.
     pub(crate) is_bed: bool,
-    /// What they come back turned about.
+    /// The axes that the points come back turned about.
     pub(crate) turning: Option<LaneTurning>,
     /// The first point of the group in each lane; lanes without a group repeat the last one.
     pub(crate) first_points: [usize; LANES],
@@ -41,7 +41,7 @@ pub(crate) struct Batch {
     factors: Vec<Lanes>,
     /// The dead path of each slot; empty in a network without interruptions.
     pub(crate) zeros: Vec<[usize; LANES]>,
-    /// What a unit of each contrast does to the constants of the reflectors, point after point; empty in a
+    /// Effect of a unit of each contrast on the constants of the reflectors, point after point; empty in a
     /// network without reflectors.
     pub(crate) contrasts: Vec<Lanes>,
     /// Number of readings.
@@ -73,7 +73,7 @@ pub(crate) fn batches(network: &Network) -> Vec<Batch> {
     batches
 }
 
-/// Up to eight groups in a row of one kind.
+/// Ranges of up to eight consecutive groups of the same kind.
 fn side_by_side<K: PartialEq>(kinds: impl IntoIterator<Item = K>) -> Vec<Range<usize>> {
     let mut ranges: Vec<Range<usize>> = Vec::new();
     let mut of_last = None;
@@ -136,14 +136,14 @@ pub(crate) fn groups_of(batches: &[Batch], pieces: &[Range<usize>]) -> Vec<Range
     pieces.iter().map(of_piece).collect()
 }
 
-/// Checks that each free point is seen from at least `need` stations; points of bodies are tied to others.
+/// Checks that each free point is seen from at least `need` stations; points of bodies are exempt.
 ///
 /// # Errors
 /// [`Error::PointSeenTooRarely`].
 pub(crate) fn check_seen(batches: &[Batch], need: usize) -> Result<(), Error> {
     let mut full: Option<&Arc<Layout>> = None;
     for batch in batches {
-        // Where nothing is missing, batches of one layout are alike.
+        // Where no reading is missing, batches of the same layout need only one check.
         let is_full = batch.is_full();
         if batch.body.is_some() {
             continue;
@@ -170,7 +170,7 @@ pub(crate) fn check_seen(batches: &[Batch], need: usize) -> Result<(), Error> {
 }
 
 impl Batch {
-    /// Takes lengths, variance factors and dead paths; of these there are none without interruptions.
+    /// Takes lengths, variance factors and, if the network has interruptions, dead paths.
     fn take_numbers(&mut self, network: &Network, slots: &Slots, zero_of_readings: &[usize]) {
         if !zero_of_readings.is_empty() {
             for visit in &self.layout.visits {
@@ -204,7 +204,7 @@ impl Batch {
         }
     }
 
-    /// What a unit of each contrast does to the constant of the reflector at a point.
+    /// Effect of a unit of each contrast on the constant of the reflector at a point.
     #[inline(always)]
     pub(crate) fn contrasts_of(&self, point: usize) -> &[Lanes] {
         if self.contrasts.is_empty() {
@@ -219,7 +219,7 @@ impl Batch {
         self.layout.point_of_slot.len()
     }
 
-    /// Whether all readings are there, with factors of one on their variance.
+    /// Whether no reading is missing, and all variance factors are one.
     #[inline(always)]
     pub(crate) fn is_full(&self) -> bool {
         self.factors.is_empty()
@@ -231,7 +231,7 @@ impl Batch {
         self.factors.get(slot).copied().unwrap_or(Lanes::splat(1.0))
     }
 
-    /// Number of the stations that see a point of the group in a lane.
+    /// Number of stations that see a point of the group in a lane.
     fn stations_that_see(&self, lane: usize, point: usize) -> usize {
         let sees = |visit: &&SlotVisit| {
             visit.slots.clone().any(|slot| {
@@ -278,7 +278,7 @@ impl Batch {
         }
     }
 
-    /// Number of the group in a lane, and of its readings.
+    /// The group in a lane, and the number of its readings.
     pub(crate) fn number(&self, lane: usize) -> (usize, usize) {
         let lane = lane.min(self.groups.len() - 1);
         let read = (0..self.slots()).filter(|&slot| self.variance_factor(slot).0[lane] > 0.0);

@@ -12,7 +12,7 @@ use crate::state::Common;
 pub(crate) struct Beams {
     /// The points of the groups, x y z of each, mm.
     pub(crate) points: Vec<Lanes>,
-    /// Their nominal places, where the datum is asked for.
+    /// Their nominal positions, where the datum is needed.
     pub(crate) nominal: Vec<Lanes>,
     pub(crate) of_slots: Vec<Beam>,
 }
@@ -30,7 +30,7 @@ pub(crate) struct Beam {
 }
 
 impl Beams {
-    /// Takes the beams to the points.
+    /// Computes the beams to the points, and their misclosures.
     #[inline(always)]
     pub(crate) fn fill(&mut self, batch: &Batch, common: Common<'_>) {
         let Common {
@@ -91,7 +91,7 @@ impl Beams {
         squares * Lanes::mask(batch.groups.len())
     }
 
-    /// Covariance of the lengths of two slots through the return of the machine, over its variance.
+    /// Covariance of the lengths of two slots through the return of the machine, over the variance of the return.
     #[inline(always)]
     pub(crate) fn returning(&self, slot: usize, other: usize) -> Lanes {
         let (a, b) = (&self.of_slots[slot], &self.of_slots[other]);

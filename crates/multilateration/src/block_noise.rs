@@ -4,9 +4,9 @@
 //! cov(x_i, x_k) = [i = k] D_i + Z_i S Z_kᵀ
 //! ```
 //!
-//! For the whole noise this is the covariance as the adjustment left it. The noise of a length is the laser's
-//! and the machine's repeatability, `C = C_l + C_m`; for the laser's part alone the weights stay those of `C`, and
-//! with its whitened part `V = L⁻¹ C_l L⁻ᵀ` of each visit and the factors of [`crate::batch_influence`] the
+//! For the whole noise this is the covariance that the adjustment left. The noise of a length is the sum of the
+//! laser's and the machine's repeatability, `C = C_l + C_m`. For the laser's part alone the weights remain those of
+//! `C`; with its whitened part `V = L⁻¹ C_l L⁻ᵀ` of each visit and the factors of [`crate::batch_influence`] the
 //! errors are
 //!
 //! ```text
@@ -34,13 +34,13 @@ use crate::{Network, Solution};
 #[derive(Debug, Clone)]
 pub struct BlockNoise<'a> {
     covariance: &'a Covariance,
-    /// `cov(ξ)` and `N` of each group, in the places of `R⁻¹` and `Z`; nothing for the whole noise.
+    /// `cov(ξ)` and `N` of each group, in the places of `R⁻¹` and `Z`; `None` for the whole noise.
     of_lengths: Option<Factors>,
     shared: DMatrix<f64>,
 }
 
 impl Solution {
-    /// The whole noise, as given.
+    /// The whole noise: both parts, as given to the adjustment.
     pub fn noise(&self) -> BlockNoise<'_> {
         BlockNoise {
             covariance: &self.covariance,
@@ -49,8 +49,8 @@ impl Solution {
         }
     }
 
-    /// The part of the covariance of the shared sources that comes from what is known beside the lengths, with
-    /// its uncertainty: `Σ KᵀK Σ` for whitened rows `K`. `network` must be the one that was solved.
+    /// The part of the covariance of the shared sources that the uncertainty of what is known beside the lengths
+    /// causes: `Σ KᵀK Σ` for whitened rows `K`. `network` must be the one that was solved.
     pub fn known_noise(&self, network: &Network) -> DMatrix<f64> {
         let sigma = self.covariance.reduced_inverse();
         let width = sigma.ncols();
@@ -114,8 +114,8 @@ impl Solution {
 }
 
 impl BlockNoise<'_> {
-    /// `D` of a group, its covariance with all that is shared held, and `Z`, one row for each of its unknowns
-    /// (see [`Solution::covariance`]).
+    /// `D` of a group, its covariance with all shared unknowns held fixed, and `Z`, one row for each unknown of the
+    /// group (see [`Solution::covariance`]).
     ///
     /// # Panics
     /// If there is no such group.
@@ -135,9 +135,9 @@ impl BlockNoise<'_> {
         }
     }
 
-    /// `S`: covariance of the shared sources. The first of them are the stations (x y z L each), the dead paths
-    /// after interruptions and the deformations of the bodies, as in [`Solution::covariance`]; what is behind
-    /// makes sense only between couplings. With the shared unknowns `s` it is `cov(x_i, s) = -Z_i S`.
+    /// `S`: covariance of the shared sources. The first are the stations (x y z L each), the dead paths after
+    /// interruptions and the deformations of the bodies, as in [`Solution::covariance`]; the rest has a meaning only
+    /// between couplings. With the shared unknowns `s`, `cov(x_i, s) = -Z_i S`.
     pub fn shared(&self) -> &DMatrix<f64> {
         &self.shared
     }

@@ -6,7 +6,7 @@ use trueaxis_kinematics::centroid;
 use crate::state::PER_STATION;
 use crate::{Error, Network};
 
-/// Targets that keep their distances.
+/// Targets whose distances from each other do not change.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// Nominal positions at home, mm.
@@ -33,14 +33,14 @@ pub struct Placed {
     pub ref_from_home: Isometry3<f64>,
 }
 
-/// A rigid body is three points that are not in line.
+/// A rigid body needs three points that are not in line.
 const RIGID: usize = 3;
 
-/// Points whose distances from a line are less than this part of their extent are in line: what turns
-/// them about it is not seen.
+/// Points whose distances from a line are less than this share of their extent are in line: their rotation about it
+/// does not show.
 const IN_LINE: f64 = 1e-6;
 
-/// Whether points are too few or lie so that they do not tell how a body is turned.
+/// Whether points are too few, or too nearly in line, to show how a body is turned.
 pub fn are_in_line(points: &[Point3<f64>]) -> bool {
     let centre = centroid(points);
     let longest =
@@ -56,7 +56,7 @@ pub fn are_in_line(points: &[Point3<f64>]) -> bool {
 }
 
 impl Bodies {
-    /// Checks that there is a body for each group that names one, and that its points show its pose.
+    /// Checks that each body named by a group exists, and that the points of the group show its pose.
     pub(crate) fn check(&self, points_of_groups: &[std::ops::Range<usize>]) -> Result<(), Error> {
         let malformed = |what: String| Err(Error::malformed(what));
         let (found, need) = (self.of_groups.len(), points_of_groups.len());
@@ -90,8 +90,8 @@ impl Bodies {
 }
 
 impl Body {
-    /// Orthonormal displacements of all points that no rigid motion makes: one for each way in which
-    /// the shape can differ from nominal, three numbers for each point.
+    /// Orthonormal displacements of all points that no rigid motion makes, one for each way in which the shape can
+    /// differ from nominal, with three numbers for each point.
     pub(crate) fn deformations(&self) -> Vec<DVector<f64>> {
         let count = self.home_mm.len();
         let centre = centroid(&self.home_mm);
@@ -115,7 +115,7 @@ impl Body {
         }
         let motions = basis.len();
         while basis.len() < 3 * count {
-            // The unit displacement of which most is left; at least the share of the free dimensions.
+            // The unit displacement least covered by the basis: at least the share of the free dimensions remains.
             let taken = |i: usize| basis.iter().map(|unit| unit[i] * unit[i]).sum::<f64>();
             let least = (0..3 * count).min_by(|&i, &j| taken(i).total_cmp(&taken(j)));
             let mut unit = DVector::zeros(3 * count);
@@ -126,7 +126,7 @@ impl Body {
     }
 }
 
-/// `x` without its parts along an orthonormal basis; twice, so that rounding does not stay.
+/// `x` without its parts along an orthonormal basis; done twice to remove the rounding of the first time.
 fn without(mut x: DVector<f64>, basis: &[DVector<f64>]) -> DVector<f64> {
     for _ in 0..2 {
         for unit in basis {
@@ -140,7 +140,7 @@ fn without(mut x: DVector<f64>, basis: &[DVector<f64>]) -> DVector<f64> {
 /// The deformations of all bodies as shared unknowns.
 #[derive(Debug, Default)]
 pub(crate) struct Deformations {
-    /// For each body the deformations that no motion makes, as displacements of its targets.
+    /// For each body the deformations, as displacements of its targets.
     pub(crate) of_bodies: Vec<Vec<DVector<f64>>>,
     /// Where the deformations of each body are among the shared unknowns.
     pub(crate) first: Vec<usize>,

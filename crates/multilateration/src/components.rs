@@ -1,4 +1,4 @@
-//! Variance components: the noise of a length and of the machine's repeatability, from the residuals.
+//! Variance components: the noise of a length and the machine's repeatability, from the residuals.
 //!
 //! The covariance of the lengths is `C = Σ_k θ_k V_k` with two parts: the lengths' own noise (its
 //! ratio of constant and proportional part is kept) and the return of the machine. Restricted
@@ -8,11 +8,11 @@
 //! Σ_l ½ tr(P V_k P V_l) θ_l = ½ vᵀ C⁻¹ V_k C⁻¹ v      P = C⁻¹ (C - J Q Jᵀ) C⁻¹
 //! ```
 //!
-//! (what is known of reflectors beforehand is a third part of known size; its trace beside the others is below
-//! a quarter for each contrast and left out) repeatedly; the inverse of the left side is the covariance of the estimates. `P` never appears as
-//! a matrix: with the whitened parts `V_1` (visit by visit) and `V_2 = I - V_1` of the noise, and the hat
-//! matrix `[same group] O Oᵀ + T Σ Tᵀ` ([`crate::batch_influence`]), every trace is made of sums over groups,
-//! linear in the number of lengths:
+//! repeatedly; the inverse of the left side is the covariance of the estimates. (What is known of reflectors
+//! beforehand is a third part of known size; its trace with the others is below a quarter for each contrast and is
+//! left out.) `P` is never made as a matrix: with the whitened parts `V_1` (visit by visit) and `V_2 = I - V_1` of
+//! the noise, and the hat matrix `[same group] O Oᵀ + T Σ Tᵀ` ([`crate::batch_influence`]), every trace consists of
+//! sums over groups, linear in the number of lengths:
 //!
 //! ```text
 //! tr(P V_k P V_l) = Σ_groups { tr(V_k V_l) - 2 tr(Oᵀ V_k V_l O) + tr(H_k H_l) + 2 tr(K_k Σ K_lᵀ) }
@@ -36,13 +36,13 @@ pub struct VarianceComponents {
     pub factors: Vector2<f64>,
     /// Their covariance.
     pub covariance: Matrix2<f64>,
-    /// `1 - ρ²`: how far the data tell the two parts apart, from 0 (not at all) to 1.
+    /// `1 - ρ²`: how well the data separate the two parts, from 0 (not at all) to 1.
     pub separation: f64,
 }
 
 impl Solution {
-    /// Estimates the factors on both parts of the noise with which `network` was solved; the return
-    /// must not be zero. `None` if the residuals say nothing.
+    /// Estimates the factors on both parts of the noise with which `network` was solved; its repeatability must not
+    /// be zero. `None` if the residuals do not determine them.
     pub fn variance_components(&self, network: &Network) -> Option<VarianceComponents> {
         components(&BatchInfluence::new(network, self))
     }
@@ -81,7 +81,7 @@ fn components(influence: &BatchInfluence<'_>) -> Option<VarianceComponents> {
 struct Sums {
     /// `½ vᵀ C⁻¹ V_k C⁻¹ v`.
     right: Vector2<f64>,
-    /// What of `½ tr(P V_k P V_l)` is a sum over groups, for the pairs 11, 12, 22.
+    /// The part of `½ tr(P V_k P V_l)` that is a sum over groups, for the pairs 11, 12, 22.
     left: [f64; 3],
     /// `Tᵀ V_1 V_1 T`, `Tᵀ V_1 T` and `Tᵀ T`.
     shared: [DMatrix<f64>; 3],
@@ -144,7 +144,7 @@ impl Form {
         pairs([self.twice, self.once, self.all].map(Lanes::sum))
     }
 
-    /// Adds `Σ a_k b_l` of elements `a_1` for `V_1` and `a` for the identity, a form that is symmetric.
+    /// Adds the symmetric form `Σ a_k b_l` for elements of `V_1` (`a_part`) and of the identity (`a_all`).
     #[inline(always)]
     fn add_products(&mut self, [a_part, a_all]: [Lanes; 2], [b_part, b_all]: [Lanes; 2]) {
         self.twice = a_part.mul_add(b_part, self.twice);
@@ -249,7 +249,7 @@ impl Products {
         add_symmetric_product(all, shared.transposed(), shared);
     }
 
-    /// The residuals and traces of a visit alone; makes its rows of `V_1 O` and `V_1 T`.
+    /// Adds the residuals and traces of a visit; makes its rows of `V_1 O` and `V_1 T`.
     #[inline(always)]
     fn add_visit(&mut self, rows: &BatchRows, visit: &VisitPart<'_>, sums: &mut LaneSums) {
         let count = visit.slots.len();

@@ -1,6 +1,6 @@
 //! The datum: the best fit of the points to the nominal ones.
 //!
-//! `Σ (p - n) = 0` and `Σ n × (p - n) = 0`, six constraints that stand for the six free motions.
+//! `Σ (p - n) = 0` and `Σ n × (p - n) = 0`: six constraints that fix the six free motions.
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_kinematics::centroid;
@@ -8,7 +8,7 @@ use trueaxis_kinematics::centroid;
 use crate::network::Network;
 use crate::state::{DATUM, State};
 
-/// Where rotations of the datum turn, and in which unit.
+/// The centre about which rotations of the datum turn, and their unit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Datum {
     pub(crate) centroid: Point3<f64>,
@@ -37,8 +37,8 @@ impl Datum {
         (p - self.centroid) / self.radius_mm
     }
 
-    /// What the free motions, translations along x, y, z, then rotations about them (scaled to the
-    /// size of the network), do to `shared` shared unknowns, of which the first are the stations.
+    /// What the free motions (translations along x, y, z, then rotations about them, scaled to the size of the
+    /// network) do to `shared` shared unknowns, of which the first are the stations.
     pub(crate) fn free_motions(&self, state: &State, shared: usize) -> Vec<Vec<f64>> {
         let mut free_motions: Vec<_> = (0..DATUM).map(|_| Vec::with_capacity(shared)).collect();
         let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()];

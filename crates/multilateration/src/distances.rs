@@ -1,10 +1,10 @@
-//! Distances between adjusted points that keep them, with their errors.
+//! Distances between adjusted points that keep their distance, with the errors.
 //!
 //! ```text
 //! d = |p_a - p_b|     dd = hᵀ x + gᵀ s     x = ξ - Z s
 //! ```
 //!
-//! with the unknowns `x` of a group whose points are free, or the deformations of a body among the shared ones `s`.
+//! where `x` are the unknowns of a group with free points; deformations of bodies are among the shared unknowns `s`.
 
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
@@ -30,14 +30,14 @@ pub enum Pair {
     },
 }
 
-/// Distances and what they owe to the errors of the adjustment.
+/// Distances, and how they depend on the errors of the adjustment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Distances {
     /// The distances, mm.
     pub values_mm: Vec<f64>,
     /// Coefficients of the shared sources `s` ([`crate::BlockNoise::shared`]), a row for each distance.
     pub of_shared: DMatrix<f64>,
-    /// Covariance of the part that does not come through them, `hᵀ D h`, mm².
+    /// Covariance of the part that does not come through the shared sources, `hᵀ D h`, mm².
     pub own: DMatrix<f64>,
     /// `h` with its group, and `g`.
     of_groups: Vec<Option<(usize, DVector<f64>)>>,
@@ -100,7 +100,7 @@ impl Solution {
 }
 
 impl Distances {
-    /// By how much a trial changes them, mm.
+    /// The changes of the distances in a trial, mm.
     pub fn changes_mm(&self, corrections: &Corrections) -> Vec<f64> {
         let all = self.of_groups.iter().zip(&self.of_shapes);
         let change = all.map(|(of_group, of_shape)| {
@@ -120,7 +120,7 @@ fn between(points: &[Point3<f64>], [a, b]: [usize; 2]) -> Vector3<f64> {
     points[a] - points[b]
 }
 
-/// What the deformations of a body do to the distance of two places.
+/// Effect of the deformations of a body on the distance between two points.
 fn deformed(
     network: &Network,
     body: usize,

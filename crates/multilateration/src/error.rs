@@ -29,7 +29,7 @@ pub enum Error {
         /// Stations needed.
         need: usize,
     },
-    /// The stations that see a point lie so that one of its directions is free.
+    /// The beams to a point lie so that a direction of the point is free.
     #[error(
         "point {point} of group {group}: the beams that meet there lie in one plane (pivot \
          {pivot:.1e}, limit {limit:.1e})"
@@ -112,7 +112,7 @@ pub enum Error {
         /// Rms of the best attempt, mm.
         rms_mm: f64,
     },
-    /// Stations cannot be told from the lengths.
+    /// The lengths do not determine the stations.
     #[error(
         "{defect} combination(s) of the stations are not determined by the lengths (relative \
          eigenvalue {eigenvalue:.1e}, limit {limit:.1e})"
@@ -127,7 +127,7 @@ pub enum Error {
         /// The unknowns that take part, largest share first.
         free: Vec<StationUnknown>,
     },
-    /// The start determined all stations, the adjustment did not: the lengths drove a station away.
+    /// The start determined all stations, the adjustment did not: contradictory lengths drove a station away.
     #[error(
         "the adjustment ran away from its start: the lengths contradict each other (reading {reading} \
          is {residual_mm:.3} mm off at the start)"

@@ -5,14 +5,14 @@
 //! L̂_j = L_j + m + e     a dead path that is known (absolute distance meter)
 //! ```
 //!
-//! Lengths `|p - S| - L + k` leave it open what the constants of all reflectors have in common: a solution has it
-//! in its dead paths `L`. Where some of these are known, it is an unknown `m` of its own, the mean constant, and the
-//! only one that no length contains.
+//! Lengths `|p - S| - L + k` leave open what the constants of all reflectors have in common: a solution has it in its
+//! dead paths `L`. Where some of these are known, the common part is an unknown `m` of its own, the mean constant; no
+//! length contains it.
 
 use crate::Network;
 use crate::state::{State, zero_column};
 
-/// Where some of the shared unknowns are, and the number of all.
+/// Columns of some of the shared unknowns, and the number of all.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Columns {
     /// The mean constant of the reflectors, if there is one.
@@ -24,7 +24,7 @@ pub(crate) struct Columns {
 }
 
 impl Columns {
-    /// Behind the first `behind` columns.
+    /// Columns that follow the first `behind`.
     pub(crate) fn new(network: &Network, behind: usize) -> Self {
         let contrasts = behind + usize::from(network.has_mean_constant());
         Self {
@@ -51,7 +51,7 @@ impl KnownRow {
         parts.sum()
     }
 
-    /// `k Σ kᵀ`: the variance of what it observes.
+    /// `k Σ kᵀ`: the variance of what the row observes.
     pub(crate) fn variance(&self, covariance: impl Fn(usize, usize) -> f64) -> f64 {
         let all = self.columns.iter();
         let pairs = all.flat_map(|&(i, x)| self.columns.iter().map(move |&(j, y)| (i, j, x * y)));
@@ -65,7 +65,7 @@ impl Network {
         !self.dead_paths.is_empty()
     }
 
-    /// All that is known: contrasts, then dead paths.
+    /// All that is known: first the contrasts, then the dead paths.
     pub(crate) fn known_rows(&self, columns: Columns, state: &State) -> Vec<KnownRow> {
         let mut rows = Vec::new();
         if let Some(sigma_mm) = self.contrast_sigma_mm() {

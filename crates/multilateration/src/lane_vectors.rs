@@ -1,13 +1,13 @@
 //! Vectors of three coordinates, eight side by side.
 //!
-//! Written out: closures over arrays may stay calls, outside the registers that a dispatch chose.
+//! Written out: closures over arrays may stay calls, which do not use the dispatched registers.
 
 use trueaxis_leastsquares::Lanes;
 
 /// A vector in each lane.
 pub(crate) type LaneVector = [Lanes; 3];
 
-/// The vector of a point, of all that stand one after the other.
+/// The vector of a point, from those of all points, one after the other.
 #[inline(always)]
 pub(crate) fn at(all: &[Lanes], point: usize) -> LaneVector {
     [all[3 * point], all[3 * point + 1], all[3 * point + 2]]

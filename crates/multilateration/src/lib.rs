@@ -8,14 +8,14 @@
 //! ```
 //!
 //! One least-squares adjustment finds points, stations and dead paths at once (paper section 3).
-//! Points are eliminated group by group, so time and memory are linear in the lengths. Lengths
-//! leave position, orientation and the mirror image of the whole free: position and orientation
-//! are those that fit the points best to their nominal positions (inner constraints), and the
-//! nominal positions choose the image. Stations need no approximate position.
+//! Points are eliminated group by group, so time and memory are linear in the lengths. Lengths leave position,
+//! orientation and the mirror image of the whole free: position and orientation are chosen so that the points fit
+//! their nominal positions best (inner constraints), and the nominal positions choose the image. Stations need no
+//! approximate position.
 //!
 //! Noun in: a [`Network`]; noun out: a [`Solution`] with points, stations, residuals and the
-//! covariance of everything. [`Trials`] solves a network again and again with other errors, for Monte
-//! Carlo. Lengths are mm in any right-handed frame.
+//! covariance of everything. [`Trials`] solves a network again and again with new errors, for Monte Carlo. Lengths
+//! are mm in any right-handed frame.
 //!
 //! Further analysis starts from the solution: [`Solution::tests`] (is a length wrong?),
 //! [`Solution::own_shapes`] (did the targets move as a rigid body?),

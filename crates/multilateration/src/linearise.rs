@@ -6,16 +6,16 @@
 //! dl = uᵀ dp - uᵀ dS - dL + hᵀ da
 //! ```
 //!
-//! with the contrasts `a` of the reflectors' constants ([`crate::reflectors`]), where a free point has three unknowns `dp` of its own. Points of a body have home positions `r_k`, common to
-//! all groups, and a pose in each:
+//! with the contrasts `a` of the reflectors' constants ([`crate::reflectors`]). A free point has three unknowns `dp`.
+//! Points of a body have home positions `r_k`, common to all groups, and a pose in each:
 //!
 //! ```text
 //! p_k = R r_k + t       dp_k = dt + dω × (p_k - c) + R N_k ds
 //! ```
 //!
-//! with the centroid `c` of the group's points and the deformations `s` of the body that no motion makes (three
-//! for a triangle). Against free points this ties nine coordinates of a triangle to six unknowns. Rows are
-//! multiplied by the weights of their visit ([`crate::visit_weights`]).
+//! with the centroid `c` of the group's points and the deformations `s` of the body that no rigid motion makes (three
+//! for a triangle). Six unknowns thus replace the nine coordinates of a free triangle. Rows are multiplied by the
+//! weights of their visit ([`crate::visit_weights`]).
 
 use nalgebra::Point3;
 use trueaxis_leastsquares::{BlockBatch, Lanes, RowMut, Shape};
@@ -27,9 +27,9 @@ use crate::lane_vectors::{at, cross, dot, minus, splat, times};
 use crate::state::{DATUM, PER_STATION, POSE};
 use crate::tie::Tie;
 
-/// Fills the equations of a batch, which are not yet whitened; `shared` is the number of all shared unknowns.
-/// The datum comes with the nominal points; without it there are no constraints. Points of a body come with
-/// what ties them.
+/// Fills the equations of a batch, not yet whitened; `shared` is the number of all shared unknowns. The datum comes
+/// with the nominal points; without a datum there are no constraints. `tie` is needed where the points belong to a
+/// body.
 #[inline(always)]
 pub(crate) fn fill(
     batch: &Batch,
@@ -67,7 +67,7 @@ pub(crate) fn fill(
     equations.use_only(batch.groups.len());
 }
 
-/// The derivatives of a length by all unknowns: the only place where they stand.
+/// The derivatives of a length by all unknowns: nothing else computes them.
 #[inline(always)]
 fn fill_row(
     (batch, slot): (&Batch, usize),
@@ -93,7 +93,7 @@ fn fill_row(
             }
         }
     }
-    // The last shared unknowns.
+    // The contrasts are the last shared unknowns.
     let contrasts = batch.contrasts_of(point);
     let first = row.others.len() - contrasts.len();
     row.others[first..].copy_from_slice(contrasts);
@@ -115,8 +115,8 @@ fn fill_row(
     }
 }
 
-/// `H` of the points, or of what ties them, and what they miss of the closure. The datum takes shapes as they
-/// are.
+/// `H` of the points, or of the poses that tie them, and the closure of the constraints. The datum takes shapes as
+/// they are.
 #[inline(always)]
 fn fill_datum(datum: &Datum, beams: &Beams, tie: Option<&Tie>, equations: &mut BlockBatch) {
     let centroid = splat(datum.centroid.x, datum.centroid.y, datum.centroid.z);

@@ -1,4 +1,4 @@
-//! What a pass over the batches of a network makes, uses and forgets.
+//! Working memory of a pass over the batches of a network.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -8,7 +8,7 @@ use crate::beams::Beams;
 use crate::state::DATUM;
 use crate::tie::Tie;
 
-/// What decides among results that differ by a motion of the whole.
+/// What chooses among results that differ by a motion of the whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Gauge {
     /// Nothing: the equations of the lengths alone.
@@ -27,7 +27,7 @@ impl Gauge {
     }
 }
 
-/// Memory for one batch after the other.
+/// Working memory, used for one batch after the other.
 #[derive(Debug, Default)]
 pub(crate) struct Memory {
     pub(crate) beams: Beams,
@@ -39,7 +39,7 @@ pub(crate) struct Memory {
     pub(crate) tie: Tie,
 }
 
-/// Memory that one pass leaves to the next.
+/// Memory that one pass leaves for the next.
 #[derive(Debug, Default)]
 pub(crate) struct Memories(Mutex<Vec<Memory>>);
 

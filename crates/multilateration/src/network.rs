@@ -10,12 +10,11 @@ use crate::{Bodies, Error, Noise, Reflectors, Turning};
 
 /// Lengths between stations and points.
 ///
-/// Points come in *groups*: the targets at one step of the machine, which may be read in one visit
-/// and then share its repeatability error. Lengths between points of different groups are independent.
+/// Points come in *groups*: the targets at one step of the machine. Points that are read in one visit share its
+/// repeatability error. Lengths to points of different groups are independent.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Network {
-    /// Rough positions of the stations where known, mm; only a choice between mirror images needs
-    /// them.
+    /// Rough positions of the stations where known, mm, needed only to choose between mirror images.
     pub stations: Vec<Option<Point3<f64>>>,
     /// Nominal positions of all points, group after group, mm. The datum is the best fit of the
     /// points to them.
@@ -28,21 +27,20 @@ pub struct Network {
     pub readings: Vec<Reading>,
     /// Standard deviations.
     pub noise: Noise,
-    /// Instants at which a station's beam was interrupted, in the order of the readings: from then
-    /// on its interferometer has another zero, a dead path of its own.
+    /// Instants at which a station's beam was interrupted, in the order of the readings: from then on its
+    /// interferometer has a new zero, with a dead path of its own.
     pub interruptions: Vec<Interruption>,
     /// Factor on the variance of each reading's own noise; empty where all are one.
     pub variance_factors: Vec<f64>,
-    /// Which points keep their distances. Without bodies all points are free: three unknowns for each. With
-    /// bodies the points of a group that has one are tied to its pose: six unknowns, and the shape is
-    /// common to all groups.
+    /// Which points keep their distances. Without bodies all points are free, with three unknowns each. With bodies
+    /// the points of a group that has one are tied to its pose, with six unknowns, and all groups share the shape.
     pub bodies: Option<Arc<Bodies>>,
-    /// Which reflector stands at each point: their constants are then unknowns. Without them all are equal.
+    /// Which reflector is at each point: the constants are then unknowns. Without reflectors all are equal.
     pub reflectors: Option<Arc<Reflectors>>,
-    /// The group of the targets on the bed, if there is one: the machine does not return to it, so that its lengths
-    /// have no repeatability error.
+    /// The group of the targets on the bed, if there is one: no axis moves it, so its lengths have no repeatability
+    /// error.
     pub bed: Option<usize>,
-    /// The axis that the points of each group come back turned about, too; none where no group has one.
+    /// The axis about which the points of each group also come back turned; `None` where no group has one.
     pub turning: Option<Arc<Vec<Option<Turning>>>>,
     /// Dead paths that are known, at most one for each station.
     pub dead_paths: Vec<KnownDeadPath>,
@@ -80,7 +78,7 @@ pub struct Reading {
 /// A dead path that is known beforehand: `|p - S| = l + L` for a reflector without a constant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownDeadPath {
-    /// The station. Its first dead path is meant, before any interruption.
+    /// The station. The dead path is its first, before any interruption.
     pub station: usize,
     /// L, mm.
     pub length_mm: f64,
@@ -181,8 +179,8 @@ impl Network {
         self.stations.len() + self.interruptions.len()
     }
 
-    /// The network without some readings (ascending), and for each reading that is left its number
-    /// before. Interruptions and variance factors are not taken over.
+    /// The network without some readings (ascending), and the previous number of each reading that is left.
+    /// Interruptions and variance factors are not copied.
     pub fn without(&self, removed: &[usize]) -> (Self, Vec<usize>) {
         let left = |i: &usize| removed.binary_search(i).is_err();
         let kept: Vec<usize> = (0..self.readings.len()).filter(left).collect();
@@ -229,7 +227,7 @@ impl Network {
         &self.readings[visit.readings.clone()]
     }
 
-    /// Where the triangle of each visit starts, one behind the other ([`factor_len`]), and behind them where they end.
+    /// Start of the triangle of each visit in one list ([`factor_len`]), and last its end.
     pub(crate) fn factor_starts(&self) -> Vec<usize> {
         let mut starts = vec![0];
         for visit in &self.visits {
@@ -262,7 +260,7 @@ impl Network {
     }
 }
 
-/// Checks that the parts of owners follow each other and leave nothing of all.
+/// Checks that the parts of the owners are consecutive and cover all.
 fn check_parts<'r>(
     parts: impl IntoIterator<Item = &'r Range<usize>>,
     (owner, what): (&str, &str),
@@ -287,7 +285,7 @@ fn check_parts<'r>(
 /// The visits of every group.
 #[derive(Debug, Clone)]
 pub(crate) struct VisitsByGroup {
-    /// Where those of each group start, and behind them their number.
+    /// Start of the visits of each group, and last the number of all.
     starts: Vec<usize>,
     visits: Vec<usize>,
 }

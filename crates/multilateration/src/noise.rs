@@ -1,14 +1,14 @@
 //! The noise of lengths, and the weights that follow from it.
 //!
-//! A length has a standard deviation of its own; and at every visit the machine returns to a
-//! slightly different place, which moves all points read then by the same small translation:
+//! A length has a standard deviation of its own; and at every visit the machine returns to a slightly different
+//! place, which moves all points read in the visit by the same small translation:
 //!
 //! ```text
 //! C = diag(σ_l²) + σ_m² U Uᵀ        U: unit vectors station -> point, one row for each length
 //! ```
 //!
-//! With [`Turning`](crate::Turning) it also turns them about an axis: `U` has a fourth column, the lever of the beam
-//! times the ratio of the standard deviations of angle and coordinate.
+//! With [`Turning`](crate::Turning) the machine also returns turned about an axis: `U` then has a fourth column, the
+//! lever of the beam times the ratio of the standard deviations of angle and coordinate.
 //!
 //! Lengths are whitened visit by visit with the Cholesky factor of `C`, so correlation costs
 //! nothing beyond a matrix of a few rows.
@@ -58,7 +58,7 @@ impl Noise {
 
     /// Standard deviation of a length at a distance, `√(a² + (b·l)²)`, mm.
     pub fn length_sigma_at_mm(&self, distance_mm: f64) -> f64 {
-        // The same bits at a tenth of the cost: most instruments are given no such part.
+        // Most instruments have no proportional part: the same bits at a tenth of the cost.
         if self.length_sigma_relative == 0.0 {
             return self.length_sigma_mm;
         }

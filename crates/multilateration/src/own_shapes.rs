@@ -1,27 +1,26 @@
 //! Whether a body has another shape at one group than at the others.
 //!
-//! A group whose targets move as one body adds nothing to the unknowns but its pose. Deformations `d` of the body
-//! at this group alone are freed beside all other unknowns. With the whitened residuals `v`, the rows `T` of the
+//! A group whose targets move as one body adds only its pose to the unknowns. Here deformations `d` of the body at
+//! this group alone are freed beside all other unknowns. With the whitened residuals `v`, the rows `T` of the
 //! hat matrix ([`crate::batch_influence`]), their columns `T_d` of the deformations, and
 //!
 //! ```text
 //! A = T_dᵀ T_d     g = A^(-1/2) T_dᵀ v     G = A^(-1/2) T_dᵀ T     M = I - G Σ Gᵀ
 //! ```
 //!
-//! the sum of squares of the whole adjustment drops by `gᵀ M⁻¹ g` at `d = A^(-1/2) M⁻¹ g`. It follows χ² if the body is
-//! rigid: this is Baarda's test of several errors at once, and `G Σ Gᵀ` all that the group has in common with others,
-//! stations, constants of reflectors, and the shape that is estimated from all. Free points are not
-//! needed.
+//! the sum of squares of the whole adjustment drops by `gᵀ M⁻¹ g` at `d = A^(-1/2) M⁻¹ g`. The drop follows χ² if the
+//! body is rigid: this is Baarda's test of several errors at once. `G Σ Gᵀ` is what the group has in common with
+//! others: stations, constants of reflectors, and the shape that all groups determine. Free points are not needed.
 //!
-//! A group that is freed no longer bends what all share. The shared unknowns then change by `t`, and the others are
-//! tested against that:
+//! A freed group has no influence on the shared unknowns. These then change by `t`, and the other groups are tested
+//! with that change:
 //!
 //! ```text
 //! h = g - G t     t ← t - Σ Gᵀ M⁻¹ h     Σ ← Σ + Σ Gᵀ M⁻¹ G Σ
 //! ```
 //!
-//! A group that is free would raise the sum of squares by `hᵀ (I + G Σ Gᵀ)⁻¹ h` if it were bound again, and differs
-//! from the others by `d = A^(-1/2) h`.
+//! Binding a free group again would raise the sum of squares by `hᵀ (I + G Σ Gᵀ)⁻¹ h`; its shape differs from that of
+//! the others by `d = A^(-1/2) h`.
 
 use nalgebra::{DMatrix, DVector, Dyn, SymmetricEigen};
 use trueaxis_leastsquares::{LANES, Lanes, lanes_only, zeros};
@@ -31,7 +30,7 @@ use crate::batch_influence::{BatchInfluence, BatchRows};
 use crate::batches::Batch;
 use crate::{Network, Solution};
 
-/// What the residuals say of a shape of its own for each group of a body.
+/// For each group of a body, what the residuals say about a shape of its own.
 #[derive(Debug, Clone)]
 pub struct OwnShapes {
     of_groups: Vec<Option<OwnShape>>,
@@ -43,21 +42,21 @@ pub struct OwnShapes {
 /// The test of one group.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OwnShapeTest {
-    /// By how much a shape of its own lowers the sum of squares of the whitened residuals.
+    /// The drop of the sum of squares of the whitened residuals if the group has a shape of its own.
     pub drop: f64,
-    /// In how many ways the lengths of the group tell its shape.
+    /// Number of deformations that the lengths of the group determine.
     pub degrees_of_freedom: usize,
-    /// Root mean square of the displacements by which its shape differs, over all coordinates of its targets, mm:
-    /// of those principal deformations by which it differs by more than two standard deviations.
+    /// Root mean square, over all coordinates of the group's targets, of the displacements by which its shape
+    /// differs, mm; only principal deformations of more than two standard deviations count.
     pub rms_mm: f64,
 }
 
-/// A displacement of this many standard deviations, and no less, counts.
+/// A deformation counts from this many standard deviations on.
 const SIGNIFICANT: f64 = 2.0;
 
 #[derive(Debug, Clone)]
 struct OwnShape {
-    /// `A^(-1/2)`: deformations, mm, of unit variance that the lengths tell, a column each.
+    /// `A^(-1/2)`: deformations of unit variance that the lengths determine, mm, one in each column.
     modes: DMatrix<f64>,
     /// `g` and `G`.
     score: DVector<f64>,
@@ -68,7 +67,7 @@ struct OwnShape {
 }
 
 impl Solution {
-    /// What the residuals say of the shape of each group; `network` must be the one that was solved.
+    /// The tests of the shape of each group; `network` must be the one that was solved.
     pub fn own_shapes(&self, network: &Network) -> OwnShapes {
         let influence = BatchInfluence::new(network, self);
         let batches = influence.batches();
@@ -99,12 +98,11 @@ impl Solution {
 }
 
 impl OwnShapes {
-    /// The test of a group against all others, but for those that are free; `None` where its lengths say nothing of
-    /// its shape.
+    /// The test of a group against all groups that are not free; `None` where its lengths do not determine its shape.
     pub fn test(&self, group: usize) -> Option<OwnShapeTest> {
         let shape = self.of_groups.get(group)?.as_ref()?;
         let Standing { left, kept } = self.standing(shape);
-        // The others may no longer tell what all share.
+        // Without this group the others may not determine the shared unknowns.
         if kept.eigenvalues.min() <= CHECKED_TOL {
             return None;
         }
@@ -137,8 +135,8 @@ impl OwnShapes {
         })
     }
 
-    /// Gives a group a shape of its own, and says by how much the sum of squares drops; `None`, and nothing happens,
-    /// where it has one, and where the others would no longer tell what all share.
+    /// Gives a group a shape of its own, and returns the drop of the sum of squares; `None`, without a change, if it
+    /// has one or if the other groups would not determine the shared unknowns.
     pub fn free(&mut self, group: usize) -> Option<f64> {
         let shape = self.of_groups.get(group)?.as_ref()?;
         let Standing { left, kept } = self.standing(shape);
@@ -175,7 +173,7 @@ fn one_and(sign: f64, coupling: &DMatrix<f64>, sigma: &DMatrix<f64>) -> Symmetri
     SymmetricEigen::new(DMatrix::identity(size, size) + symmetric)
 }
 
-/// The eigenvectors, each times what `factor` makes of its value, if anything; `None` if there is none.
+/// The eigenvectors for whose values `factor` has a number, each times that number; `None` if there is none.
 fn scaled_columns(
     of: &SymmetricEigen<f64, Dyn>,
     factor: impl Fn(f64) -> Option<f64>,
@@ -186,7 +184,7 @@ fn scaled_columns(
     (!columns.is_empty()).then(|| DMatrix::from_columns(&columns))
 }
 
-/// What a group says now: `h`, and the factors of its covariance.
+/// What a group says at present: `h`, and the factors of its covariance.
 struct Standing {
     left: DVector<f64>,
     kept: SymmetricEigen<f64, Dyn>,
@@ -205,7 +203,7 @@ fn of_batch(
     let deformations = tie.deformations.len() / coordinates;
     let columns = tie.first..tie.first + deformations;
     let shared = rows.hat.shared();
-    // T_dᵀ T and, behind it, T_dᵀ v, a row for each deformation; what the deformations do in all.
+    // T_dᵀ T and, last in each row, T_dᵀ v, a row for each deformation; the sum of squares before elimination.
     let mut products = Vec::new();
     zeros(&mut products, deformations * (width + 1));
     let mut size = Lanes::ZERO;
@@ -232,7 +230,7 @@ fn of_batch(
         let own = SymmetricEigen::new(all.columns(columns.start, deformations).into_owned());
         let least = CHECKED_TOL * size.0[lane];
         let told = scaled_columns(&own, |x| (x > least).then(|| x.sqrt().recip()))?;
-        // Modes that nothing tells apart from what all share have no part.
+        // Modes that cannot be separated from the shared unknowns are left out.
         let kept = one_and(-1.0, &told.tr_mul(&all), sigma);
         let modes = told * scaled_columns(&kept, |x| (x > CHECKED_TOL).then_some(1.0))?;
         let score = DVector::from_fn(deformations, |d, _| product(d, width));

@@ -1,7 +1,7 @@
 //! Passes over the batches of a network: the equations are made, used and forgotten.
 //!
-//! Threads take pieces that depend on the number of batches alone, and sums are added up in their order:
-//! the same bits on any number of threads. Each takes the widest registers that the processor has
+//! Threads take pieces that depend only on the number of batches, and sums are added in the order of the pieces: the
+//! bits do not depend on the number of threads. All work uses the widest registers of the processor
 //! ([`in_widest_registers`](trueaxis_leastsquares::in_widest_registers)).
 
 use std::ops::Range;
@@ -21,7 +21,7 @@ use crate::pieces::{in_parallel, pieces, split_mut};
 use crate::state::{Common, DATUM, State};
 use crate::visit_weights::by_visit;
 
-/// What the linearisation of a piece leaves to the step that follows, batch after batch.
+/// What the linearisation of a piece leaves for the next step, batch after batch.
 #[derive(Debug, Default)]
 pub(crate) struct Linearised {
     /// As [`fill_weights`](crate::visit_weights::fill_weights) makes them.
@@ -30,23 +30,23 @@ pub(crate) struct Linearised {
     eliminated: Vec<Lanes>,
 }
 
-/// A pass: batches are moved by a step, if there is one, and then linearised, if there is a gauge.
+/// A pass: with a step the batches move, with a gauge they are linearised afterwards.
 #[derive(Clone, Copy)]
 struct Pass<'a> {
-    /// Where it begins.
+    /// The state before the step.
     state: &'a State,
-    /// The correction of the shared unknowns, and the part of it that is made.
+    /// The correction of the shared unknowns, and the factor on it.
     step: Option<(&'a [f64], f64)>,
-    /// Where it ends.
+    /// The state after the step.
     common: Common<'a>,
     shapes_mm: &'a [Vec<Point3<f64>>],
     gauge: Option<Gauge>,
 }
 
-/// What a pass takes from some batches and leaves of them; empty where it does not.
+/// What a pass reads and writes of some batches; empty where it is not needed.
 #[derive(Default)]
 struct Part<'a> {
-    /// Where the groups are after a step.
+    /// The groups after the step.
     points: &'a mut [Point3<f64>],
     poses: &'a mut [Isometry3<f64>],
     weights: &'a mut [Lanes],
@@ -136,7 +136,7 @@ impl GroupAdjustment<'_> {
         Ok(observed(self.pass(pass, parts).1?, &self.known_rows(state)))
     }
 
-    /// Makes a step and, with a gauge, linearises all lengths where it leads.
+    /// Makes a step and, with a gauge, linearises all lengths at its end.
     fn step_and(
         &self,
         gauge: Option<Gauge>,
@@ -181,7 +181,7 @@ impl GroupAdjustment<'_> {
         (squares + of_known, reduced)
     }
 
-    /// The sum of squares after the step, with the weights before it, and the reduced system.
+    /// The sum of squares after the step, with the weights from before it, and the reduced system.
     fn pass(
         &self,
         pass: Pass<'_>,
@@ -209,12 +209,12 @@ impl GroupAdjustment<'_> {
                             if pass.step.is_some() {
                                 squares += memory.beams.squares(batch, own.weights);
                             }
-                            // The squares are asked for where it cannot be reduced, too.
+                            // The squares are needed even where the system cannot be reduced.
                             if let (Some(gauge), Ok(())) = (pass.gauge, &outcome) {
                                 outcome = self.eliminate((batch, memory), gauge, &mut own);
                             }
                         }
-                        // A closure would stay outside the registers that were chosen.
+                        // A closure would not use the registers that were chosen.
                         let reduced = match outcome {
                             Ok(()) => Ok(memory.sums.reduced()),
                             Err(error) => Err(error),
@@ -224,7 +224,7 @@ impl GroupAdjustment<'_> {
                 )
             },
         );
-        // Of several errors the first.
+        // The first of several errors counts.
         let none = (0.0, Ok(Reduced::new(shared, constraints)));
         sums.into_iter()
             .fold(none, |(squares, whole), (more, sum)| {
@@ -236,7 +236,7 @@ impl GroupAdjustment<'_> {
             })
     }
 
-    /// Moves the groups of a batch that was taken, and writes where they are then.
+    /// Moves the groups of a batch that was taken, and writes their new points and poses.
     #[inline(always)]
     fn move_groups(
         &self,
@@ -271,7 +271,7 @@ impl GroupAdjustment<'_> {
         }
     }
 
-    /// Eliminates the groups of a batch whose beams are there.
+    /// Eliminates the groups of a batch whose beams are filled.
     #[inline(always)]
     fn eliminate(
         &self,
@@ -299,7 +299,7 @@ impl GroupAdjustment<'_> {
 }
 
 impl Linearised {
-    /// Makes room for what some batches leave.
+    /// Makes room for the results of some batches.
     fn fit(&mut self, batches: &[Batch]) {
         let weights = batches.iter().map(|b| b.layout.weights).sum();
         self.weights.resize(weights, Lanes::ZERO);
@@ -317,7 +317,7 @@ impl Linearised {
 }
 
 impl Part<'_> {
-    /// What belongs to the next batch.
+    /// The part of the next batch.
     #[inline(always)]
     fn next(&mut self, batch: &Batch) -> Part<'_> {
         let groups = batch.groups.len();
@@ -331,7 +331,7 @@ impl Part<'_> {
     }
 }
 
-/// Splits the next elements off; none if there are none.
+/// Splits off the next elements, as far as there are any.
 #[inline(always)]
 fn next<'a, T>(all: &mut &'a mut [T], count: usize) -> &'a mut [T] {
     let count = count.min(all.len());

@@ -5,13 +5,13 @@ use std::ops::Range;
 use rayon::prelude::*;
 use trueaxis_leastsquares::in_widest_registers;
 
-/// Batches of a piece: enough work, some 50 µs, to be worth handing out.
+/// Batches of a piece: enough work, some 50 µs, to pay for handing it to a thread.
 const LEAST_BATCHES: usize = 16;
 
-/// Most pieces: more would not spread the work better and each has a reduced system of its own.
+/// Largest number of pieces: more would not spread the work better, and each has a reduced system of its own.
 const MOST_PIECES: usize = 64;
 
-/// The pieces into which batches are divided, in order: an even number of nearly equal ones, so that two threads have as much.
+/// The consecutive pieces of all batches, nearly equal and even in number, so that two threads share them equally.
 pub(crate) fn pieces(batches: usize) -> Vec<Range<usize>> {
     let count = match batches.div_ceil(LEAST_BATCHES) {
         0 | 1 => 1,
@@ -24,7 +24,7 @@ pub(crate) fn pieces(batches: usize) -> Vec<Range<usize>> {
         .collect()
 }
 
-/// Runs work with many passes over batches in a thread of the pool, if there are enough of them for several threads:
+/// Runs work that passes over the batches many times in a thread of the pool, if there is more than one piece:
 /// handing out pieces from outside the pool costs more, each time.
 pub(crate) fn within_pool<T: Send>(batches: usize, work: impl FnOnce() -> T + Send) -> T {
     match batches > LEAST_BATCHES {
@@ -33,7 +33,7 @@ pub(crate) fn within_pool<T: Send>(batches: usize, work: impl FnOnce() -> T + Se
     }
 }
 
-/// What `work` makes of each item with the widest registers, in order.
+/// The results of `work` on each item, in order; `work` uses the widest registers.
 pub(crate) fn in_parallel<I: Send, T: Send>(
     items: Vec<I>,
     work: impl Fn(I) -> T + Sync + Send,

@@ -1,4 +1,4 @@
-//! Reflectors whose constants the lengths do not tell: they are of one set.
+//! Reflectors whose constants the lengths do not determine: they count as those of one set.
 
 use std::sync::Arc;
 
@@ -7,17 +7,17 @@ use crate::solution::Solution;
 use crate::solve::{solve, solve_from};
 use crate::{Error, Network};
 
-/// Reflectors of a set for a laser tracker differ by no more, mm.
+/// Largest difference between the constants of a set of laser-tracker reflectors, mm.
 pub const USUAL_DIFFERENCE_MM: f64 = 5e-3;
 
-/// Whether lengths tell less of the constants than that the reflectors are of one set: what they would leave of
-/// them is more than these differ by, and linear propagation is wrong there.
+/// Whether the lengths determine the constants less well than the fact that the reflectors are of one set; linear
+/// propagation would be wrong there.
 fn are_open(solution: &Solution) -> bool {
     solution.reflector_covariance().diagonal().amax() > USUAL_DIFFERENCE_MM.powi(2)
 }
 
-/// Adjusts a network by `adjust`; where its lengths leave the constants of the reflectors open, and nothing is known
-/// of these, they are taken for those of a set: the network then has [`USUAL_DIFFERENCE_MM`] as what is known.
+/// Adjusts a network by `adjust`. If its lengths leave the constants of the reflectors open, and no σ of theirs is
+/// known, the network gets [`USUAL_DIFFERENCE_MM`] as that σ and is adjusted again.
 ///
 /// # Errors
 /// Those of the second adjustment, if there is one.
@@ -46,7 +46,7 @@ pub fn adjust_as_a_set<T, E>(
     }
 }
 
-/// Solves a network, from a solution of a similar one if there is one; see [`adjust_as_a_set`].
+/// Solves a network, starting from a solution of a similar one if given; see [`adjust_as_a_set`].
 ///
 /// # Errors
 /// Those of [`solve`].

@@ -1,28 +1,28 @@
-//! Constants of the reflectors: every length to one of them is longer by its constant.
+//! Constants of the reflectors: all lengths to a reflector are too long by its constant.
 //!
 //! ```text
 //! l = |p - S| - L + k_r
 //! ```
 //!
-//! What all constants have in common is dead path. The unknowns are therefore `K - 1` contrasts `a` of the `K`
-//! constants, with orthonormal columns of sum zero (Helmert's):
+//! The part common to all constants is absorbed by the dead paths. The unknowns are therefore `K - 1` contrasts `a`
+//! of the `K` constants, with orthonormal columns of sum zero (Helmert's):
 //!
 //! ```text
 //! k = H a     1ᵀH = 0     HᵀH = I
 //! ```
 //!
-//! so that constants are relative to their mean, and no reflector is preferred. Constants that are drawn
-//! independently with a standard deviation `σ` have contrasts that are, too.
+//! so that constants are relative to their mean, and no reflector is preferred. If the constants are independent with
+//! a standard deviation `σ`, so are the contrasts.
 
 use crate::Error;
 
-/// Which reflector stands at each point of a network.
+/// Which reflector is at each point of a network.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reflectors {
     /// Number of reflectors.
     pub count: usize,
-    /// Standard deviation of the constants of a set, where it is known, mm: each contrast is then observed to
-    /// be zero with it.
+    /// Standard deviation of the constants of a set, where known, mm: each contrast is then observed as zero with
+    /// this σ.
     pub sigma_mm: Option<f64>,
     /// The reflector at each point, in the order of the network.
     pub of_points: Vec<usize>,
@@ -34,7 +34,7 @@ impl Reflectors {
         self.count.saturating_sub(1)
     }
 
-    /// Checks that each point has one that is there.
+    /// Checks that each point has a reflector that exists.
     pub(crate) fn check(&self, points: usize) -> Result<(), Error> {
         let is_usable = |sigma: f64| sigma.is_finite() && sigma > 0.0;
         if !self.sigma_mm.is_none_or(is_usable) {
@@ -52,7 +52,7 @@ impl Reflectors {
     }
 }
 
-/// `H`: what a unit of contrast `m` does to the constant of a reflector.
+/// `H`: effect of a unit of contrast `m` on the constant of a reflector.
 pub fn contrast(reflector: usize, m: usize) -> f64 {
     let before = (m + 1) as f64;
     let length = (before * (before + 1.0)).sqrt();
@@ -63,7 +63,7 @@ pub fn contrast(reflector: usize, m: usize) -> f64 {
     }
 }
 
-/// The constants that belong to contrasts, mm.
+/// The constants that follow from the contrasts, mm.
 pub(crate) fn constants_mm(contrasts_mm: &[f64]) -> Vec<f64> {
     let constant = |r: usize| {
         let all = contrasts_mm.iter().enumerate();

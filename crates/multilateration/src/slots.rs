@@ -1,8 +1,8 @@
-//! Where the readings of groups stand in their batch.
+//! The places of the readings of groups in their batch.
 //!
-//! A *slot* is a station, the index of its visit to the group, and a point. The slots of a
-//! batch are those of any of its groups. Most groups of a campaign are measured by one plan: the places
-//! of their readings are found once, and the others only compared with it.
+//! A *slot* is a station, the index of its visit to the group, and a point. The slots of a batch are all those that
+//! any of its groups has. Most groups of a campaign are measured by one plan: the places of the readings of the first
+//! are found, and those of the others are only compared with them.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use std::sync::Arc;
 use crate::network::{Network, VisitsByGroup};
 use crate::noise::factor_len;
 
-/// What slots a batch has; batches of a campaign measured by a plan share one.
+/// The slots of a batch; batches of a campaign measured by a plan share one layout.
 #[derive(Debug, Default)]
 pub(crate) struct Layout {
     pub(crate) visits: Vec<SlotVisit>,
@@ -26,7 +26,7 @@ impl Layout {
         self.visits.partition_point(|visit| visit.slots.end <= slot)
     }
 
-    /// The readings of a visit in the order of their slots, and that visit; none without readings.
+    /// The readings of a visit in the order of their slots, after the index of the visit; `None` without readings.
     pub(crate) fn in_order(
         &self,
         places: &[(usize, usize)],
@@ -45,18 +45,18 @@ pub(crate) struct SlotVisit {
     pub(crate) slots: Range<usize>,
 }
 
-/// What tells slots apart, in their order.
+/// What distinguishes slots, in their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Key {
     station: usize,
-    /// Visits of the station to the group before this one.
+    /// Earlier visits of the station to the group.
     ordinal: usize,
     point: usize,
-    /// Readings of the point in the visit before this one.
+    /// Earlier readings of the point in the visit.
     again: usize,
 }
 
-/// The slots of one batch after the other.
+/// The slots of a batch, for one batch after the other.
 #[derive(Debug, Default)]
 pub(crate) struct Slots {
     /// Of the batch.
@@ -69,7 +69,7 @@ pub(crate) struct Slots {
     keys: Vec<(Key, usize)>,
 }
 
-/// The readings of a group that has all slots of its batch, in measuring order.
+/// The readings of a group that has a reading in every slot of its batch, in measuring order.
 #[derive(Debug, Default)]
 struct Plan {
     /// Points of the group.
@@ -102,7 +102,7 @@ impl Slots {
         &self.places[first..self.ends[k]]
     }
 
-    /// The visits of the `k`th group, `group` in the network, each with slot and index of its readings.
+    /// The visits of `group` of the network, the `k`th of the batch, each with slot and index of its readings.
     pub(crate) fn visits<'a>(
         &'a self,
         (k, group): (usize, usize),
@@ -145,7 +145,7 @@ impl Slots {
         true
     }
 
-    /// Finds the slots of groups that differ, and makes the first group the plan if all have the same.
+    /// Finds the slots of groups that differ; if all are the same, the first group becomes the plan.
     fn place_by_keys(&mut self, network: &Network, by_group: &VisitsByGroup, groups: Range<usize>) {
         self.keys.clear();
         self.places.clear();

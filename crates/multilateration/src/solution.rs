@@ -1,4 +1,4 @@
-//! The adjusted points and stations with the evidence.
+//! The adjusted points and stations, with the evidence for them.
 
 use std::sync::Arc;
 
@@ -20,13 +20,13 @@ pub struct Solution {
     pub dead_paths_after_mm: Vec<f64>,
     /// Points in the order of the network, mm.
     pub points_mm: Vec<Point3<f64>>,
-    /// Poses of the bodies at each group, datum from home; empty in a network without bodies. Of a group
-    /// whose points are free the nominal one.
+    /// Poses of the bodies at each group, datum from home; the nominal pose for a group whose points are free. Empty
+    /// in a network without bodies.
     pub poses: Vec<Isometry3<f64>>,
     /// Home positions of the targets of each body, mm; empty in a network without bodies.
     pub shapes_mm: Vec<Vec<Point3<f64>>>,
-    /// What the constants of all reflectors have in common, mm, where the network has known dead paths. Dead paths
-    /// of the solution are shorter than they are by it.
+    /// What the constants of all reflectors have in common, mm, where the network has known dead paths. The dead
+    /// paths of the solution are shorter by it than the true ones.
     pub mean_constant_mm: Option<f64>,
     /// Constants of the reflectors, relative to their mean, mm; empty in a network without reflectors.
     pub reflectors_mm: Vec<f64>,
@@ -34,24 +34,23 @@ pub struct Solution {
     pub residuals_mm: Vec<f64>,
     /// Sum of squares of the whitened residuals.
     pub squares: f64,
-    /// Number of lengths, of contrasts of reflectors that are known beforehand, and of known dead paths.
+    /// Number of lengths, of contrasts of reflectors with a known σ, and of known dead paths.
     pub observations: usize,
     /// Number of unknowns less the six that the datum fixes.
     pub unknowns: usize,
     /// Iterations of the adjustment.
     pub iterations: usize,
-    /// The points lie in a plane and the lengths fit as well if all stations stand on its other
-    /// side: what is across the plane may have the wrong sign. An approximate position of one
-    /// station decides it.
+    /// The points lie in a plane, and the lengths fit as well with all stations on its other side: results across the
+    /// plane may have the wrong sign. An approximate position of one station decides it.
     pub mirror_image_open: bool,
-    /// Why it stopped. Look at it: a result that is not converged is returned, not hidden.
+    /// Why the iteration stopped. Check it: a result that is not converged is returned, not hidden.
     pub termination: Termination,
-    /// Covariance for the noise as given (its variance factor is one). Blocks are the groups: x y z of each
-    /// free point, mm, or of a body the translation, mm, and the rotation vector, rad, about the centroid of
-    /// the group's adjusted points, both in the datum's axes. Shared unknowns are the stations (x y z L of
-    /// each), behind them the dead paths after interruptions, mm, behind these for each body the
-    /// amounts of its deformations, mm, then the mean constant if there is one, and last the contrasts of the
-    /// reflectors' constants, mm. The datum is the best fit to the nominal points.
+    /// Covariance for the noise as given (its variance factor is one). Blocks are the groups: x y z of each free
+    /// point, mm; for a body the translation, mm, and the rotation vector, rad, about the centroid of the group's
+    /// adjusted points, both in the datum's axes. Shared unknowns are, in this order, the stations (x y z L of each),
+    /// the dead paths after interruptions, mm, the amounts of the deformations of each body, mm, the mean constant if
+    /// there is one, and the contrasts of the reflectors' constants, mm. The datum is the best fit to the nominal
+    /// points.
     pub covariance: Covariance,
     /// The groups of the network that was solved.
     pub(crate) batches: Arc<Vec<Batch>>,
@@ -72,8 +71,8 @@ impl Solution {
         self.observations.saturating_sub(self.unknowns)
     }
 
-    /// Standard deviation of unit weight, `√(Σ v² / dof)`: 1 if the noise is as declared. NaN
-    /// without redundancy.
+    /// Standard deviation of unit weight, `√(Σ v² / dof)`: about 1 if the noise is as declared. NaN without
+    /// redundancy.
     pub fn sigma0(&self) -> f64 {
         (self.squares / self.degrees_of_freedom() as f64).sqrt()
     }
@@ -84,7 +83,7 @@ impl Solution {
         (squares / self.residuals_mm.len().max(1) as f64).sqrt()
     }
 
-    /// The length that the solution has from a station (with its first dead path) to a point, mm.
+    /// The computed length from a station (with its first dead path) to a point, mm.
     ///
     /// # Panics
     /// If `network`, which must be the one that was solved, has no such station or point.
@@ -105,8 +104,8 @@ impl Solution {
         Matrix4::from_fn(|i, j| self.covariance.shared()[(first + i, first + j)])
     }
 
-    /// By how much a dead path is longer than another one, with standard uncertainty, mm. Dead paths
-    /// are numbered by station, then by interruption.
+    /// By how much one dead path is longer than another, with the standard uncertainty, mm. Dead paths are numbered
+    /// by station, then by interruption.
     ///
     /// # Panics
     /// If there are no such dead paths.
@@ -122,14 +121,14 @@ impl Solution {
         )
     }
 
-    /// Number of the mean constant among the shared unknowns, if it is one.
+    /// Index of the mean constant among the shared unknowns, where it is one.
     pub fn mean_constant_column(&self) -> Option<usize> {
         let contrasts = self.reflectors_mm.len().saturating_sub(1);
         let column = self.covariance.shared().nrows() - contrasts;
         self.mean_constant_mm.map(|_| column - 1)
     }
 
-    /// The constants of the reflectors with their covariance, mm and mm²: as they are where dead paths are known,
+    /// The constants of the reflectors with their covariance, mm and mm²: absolute where dead paths are known,
     /// relative to their mean otherwise; none where there is one reflector and no known dead path.
     pub fn reflector_constants(&self) -> (Vec<f64>, DMatrix<f64>) {
         let Some(mean_mm) = self.mean_constant_mm else {
@@ -145,7 +144,7 @@ impl Solution {
         self.covariance_of_constants(0)
     }
 
-    /// Of `means` (the mean constant, or nothing) and the contrasts, the last of the shared unknowns.
+    /// Covariance of the last shared unknowns: `means` mean constants (one or none) and the contrasts.
     fn covariance_of_constants(&self, means: usize) -> DMatrix<f64> {
         let columns = self.reflectors_mm.len().saturating_sub(1) + means;
         let shared = self.covariance.shared();
@@ -164,8 +163,8 @@ impl Solution {
             .collect()
     }
 
-    /// The part of the lengths in [`Solution::squares`] and in the redundancy: without what is known beside them,
-    /// whose noise is not that of lengths. `network` must be the one that was solved.
+    /// The part of the lengths in [`Solution::squares`] and in the redundancy, without that of what is known beside
+    /// them, whose noise is not that of lengths. `network` must be the one that was solved.
     pub fn of_lengths(&self, network: &Network) -> (f64, f64) {
         let (mut squares, mut redundancy) = (self.squares, self.degrees_of_freedom() as f64);
         let shared = self.covariance.shared();
@@ -176,7 +175,7 @@ impl Solution {
         (squares.max(0.0), redundancy.max(0.0))
     }
 
-    /// What is known beside the lengths, at the solution.
+    /// The observations of shared unknowns beside the lengths, at the solution.
     pub(crate) fn known_rows(&self, network: &Network) -> Vec<KnownRow> {
         let known_last = network.contrasts() + usize::from(network.has_mean_constant());
         let behind = self.covariance.shared().nrows() - known_last;

@@ -1,4 +1,4 @@
-//! The headline verb: lengths to points.
+//! The headline verb: from lengths to points.
 
 use std::sync::Arc;
 
@@ -20,21 +20,21 @@ pub const MIN_STATIONS: usize = 4;
 /// A point needs three lengths.
 pub const MIN_STATIONS_PER_POINT: usize = 3;
 
-/// Sums of squares that differ by less do not tell two mirror images apart: the likelihood ratio is
-/// below e⁵.
+/// Two mirror images whose sums of squares differ by less than this are both possible: the likelihood ratio is below
+/// e⁵.
 const SAME_SQUARES: f64 = 10.0;
 
-/// Stations whose side of a plane of points is tried; the number of attempts doubles with each.
+/// Largest number of stations for which both sides of a plane of points are tried; each doubles the attempts.
 const MAX_OPEN_SIDES: usize = 8;
 
 /// Finds all points, stations and dead paths of a network.
 ///
 /// # Errors
-/// If the network is malformed, or does not determine what is sought: see [`Error`]. Not
-/// converging is no error but a [`Solution::termination`].
+/// If the network is malformed, or does not determine what is sought: see [`Error`]. Not converging is no error but a
+/// [`Solution::termination`].
 pub fn solve(network: &Network) -> Result<Solution, Error> {
     network.check()?;
-    // Too few lengths are named before a start is sought in them.
+    // First, so that too few lengths are reported as such.
     let batches = batches_of(network)?;
     solve_from_start((network, &batches), start(network)?)
 }
@@ -52,9 +52,9 @@ pub(crate) fn solve_from_start(
     choose_sides((network, batches), &state, &images, first)
 }
 
-/// Adjusts a network from the solution of a similar one: the same stations and groups, other lengths, weights,
-/// interruptions or bodies. From tied points to free ones and back it goes in an iteration or two; no start is
-/// sought. Of `near` the places and dead paths count, which may be some millimetres off.
+/// Adjusts a network from the solution `near` of a similar one: the same stations and groups, but other lengths,
+/// weights, interruptions or bodies. Its positions and dead paths are the start and may be some millimetres off.
+/// Changing from tied points to free ones, or back, takes an iteration or two.
 ///
 /// # Errors
 /// Those of [`solve`].
@@ -101,7 +101,7 @@ fn refine_batches<'a>(
     })
 }
 
-/// [`refine`] with the covariance.
+/// As [`refine`], with the covariance.
 ///
 /// # Errors
 /// Those of [`solve`].
@@ -109,8 +109,8 @@ pub fn solve_from(network: &Network, near: &Solution) -> Result<Solution, Error>
     refine(network, near)?.solution()
 }
 
-/// Solves a network again of which nothing but the noise differs from that of the solution `solved`: its groups are
-/// not sought again.
+/// Solves a network again that differs from the one of the solution `solved` only in its noise: the groups need not
+/// be arranged again.
 ///
 /// # Errors
 /// Those of [`solve`].
@@ -119,7 +119,7 @@ pub fn solve_with_noise(network: &Network, solved: &Solution) -> Result<Solution
     refine_batches((network, &solved.batches), solved)?.solution()
 }
 
-/// An adjusted network, yet without uncertainties.
+/// An adjusted network, still without uncertainties.
 pub struct Refined<'a> {
     model: GroupAdjustment<'a>,
     adjusted: Adjusted<State>,
@@ -188,14 +188,14 @@ fn adjust_from<'a>(
     })
 }
 
-/// No length drives an adjustment away that is less far from what the nominal positions say, mm.
+/// A length that is nearer than this to what the nominal positions say drives no adjustment away, mm.
 const ABSURD_MM: f64 = 1.0;
 
-/// A length that is off by more at the start, relative to the size of the network, contradicts the
-/// others: nominal positions are never that wrong.
+/// A length that is off by more than this at the start, relative to the size of the network, contradicts the others:
+/// nominal positions are never that wrong.
 const CONTRADICTION: f64 = 0.02;
 
-/// Tells a station that is not determined from one that contradictory lengths drove away.
+/// Distinguishes a station that is not determined from one that contradictory lengths drove away.
 fn ran_away(network: &Network, model: &GroupAdjustment<'_>, start: &State, error: Error) -> Error {
     if !matches!(error, Error::StationsNotDetermined { .. }) {
         return error;
@@ -223,10 +223,10 @@ fn ran_away(network: &Network, model: &GroupAdjustment<'_>, start: &State, error
     }
 }
 
-/// Tries all sides of the plane of points for the stations whose side is open, and whether the
-/// mirror image of the whole fits as well as the best choice.
+/// For the stations whose side of the plane of points is open, tries all combinations of sides, and tests whether the
+/// mirror image of the whole fits as well as the best one.
 ///
-/// Moving one station at a time would be cheaper, but gets stuck with two on the wrong side.
+/// Moving one station at a time would be cheaper, but fails with two on the wrong side.
 fn choose_sides<'a>(
     (network, batches): (&'a Network, &Arc<Vec<Batch>>),
     start: &State,
@@ -248,7 +248,7 @@ fn choose_sides<'a>(
     let (mut best, mut chosen) = (first, 0);
     let all = (1 << tried) - 1;
     for choice in 1..=all {
-        // A choice that is wrong may not even be solvable.
+        // A wrong combination may not even be solvable.
         let Ok(attempt) = with_sides(choice) else {
             continue;
         };
@@ -259,7 +259,7 @@ fn choose_sides<'a>(
         }
     }
     let mut best = best?;
-    // Sides that were not tried are open, too.
+    // If sides were not tried, the image is open, too.
     best.mirror_image_open = tried < open.len()
         || open.len() == images.len()
             && with_sides(all ^ chosen).is_ok_and(|image| {
@@ -268,11 +268,11 @@ fn choose_sides<'a>(
     best.solution()
 }
 
-/// The groups of a network, after checking that there are enough lengths of every station and point.
+/// The groups of a network, after checking that every station and point has enough lengths.
 pub(crate) fn batches_of(network: &Network) -> Result<Arc<Vec<Batch>>, Error> {
     let mut used = vec![false; network.stations.len()];
     for visit in &network.visits {
-        // Without a look at it each would wait for the one before.
+        // Unconditional stores would each wait for the one before.
         if !used[visit.station] {
             used[visit.station] = !visit.readings.is_empty();
         }
@@ -290,7 +290,7 @@ pub(crate) fn batches_of(network: &Network) -> Result<Arc<Vec<Batch>>, Error> {
     let batches = batches(network);
     check_seen(&batches, MIN_STATIONS_PER_POINT)?;
     let readings = network.readings.len();
-    // A mean constant needs no length: known dead paths tell it.
+    // A mean constant needs no length: known dead paths determine it.
     let shared = PER_STATION * found + network.interruptions.len();
     let of_batch = |batch: &Batch| batch.groups.len() * batch.unknowns();
     let of_groups: usize = batches.iter().map(of_batch).sum();
@@ -298,7 +298,7 @@ pub(crate) fn batches_of(network: &Network) -> Result<Arc<Vec<Batch>>, Error> {
     let shapes: usize = bodies
         .map(|body| (3 * body.home_mm.len()).saturating_sub(POSE))
         .sum();
-    // What is known beforehand needs no length.
+    // Neither do contrasts with a known σ.
     let contrasts = match network.contrast_sigma_mm() {
         Some(_) => 0,
         None => network.contrasts(),

@@ -1,4 +1,4 @@
-//! Where the iteration starts: stations from the nominal points alone.
+//! The start of the iteration: stations from the nominal points alone.
 
 mod station;
 
@@ -9,23 +9,22 @@ use crate::solve::{batches_of, solve_from_start};
 use crate::state::State;
 use crate::{Error, Network, Solution, Station};
 
-/// Readings used to find one station: enough for a start, and the time stays linear.
+/// Largest number of readings for the start of one station: enough for it, and the time stays linear.
 const MAX_READINGS: usize = 2000;
 
-/// Fits of one station worse than this, relative to the size of the network, are tried again
-/// from other starts: nominal positions are never that wrong.
+/// A fit of one station worse than this, relative to the size of its points, is tried again from other starts, then
+/// without far readings: nominal positions are never that wrong.
 const POOR_FIT: f64 = 1e-2;
 
-/// Worse than this no position of the station is credible.
+/// No position with a fit worse than this, relative to the size of its points, is credible.
 const NO_FIT: f64 = 0.1;
 
-/// Where the adjustment of a network starts, and what that leaves open: points at their nominal positions, stations
-/// where these and the lengths say.
+/// Start of the adjustment of a network, with what it leaves open.
 pub struct Start {
     /// Points at their nominal positions and the stations that fit them best.
     pub(crate) state: State,
-    /// For each station its mirror image, if that fits the nominal points as well and nothing is
-    /// known about where the station stands.
+    /// For each station its mirror image, if that fits the nominal points as well and no position of the station is
+    /// given.
     pub(crate) images: Vec<Option<Station>>,
 }
 
@@ -33,20 +32,20 @@ impl Start {
     /// The start of a network.
     ///
     /// # Errors
-    /// Those of [`crate::solve`] that do not need an adjustment: too few lengths, or a station that nothing explains.
+    /// Those of [`crate::solve`] that need no adjustment: too few lengths, or a station that no position explains.
     pub fn new(network: &Network) -> Result<Self, Error> {
         network.check()?;
-        // Too few lengths are named before a start is sought in them.
+        // First, so that too few lengths are reported as such.
         batches_of(network)?;
         start(network)
     }
 
-    /// Observed minus computed length of every reading, mm; `network` must be the one whose start it is.
+    /// Observed minus computed length of every reading, mm; `network` must be the one of this start.
     pub fn residuals_mm(&self, network: &Network) -> Vec<f64> {
         self.state.residuals_mm(network)
     }
 
-    /// Solves the network whose start it is; weights may be other ones.
+    /// Solves the network of this start; its weights may have changed.
     ///
     /// # Errors
     /// Those of [`crate::solve`].
@@ -90,7 +89,7 @@ pub(crate) fn start(network: &Network) -> Result<Start, Error> {
     })
 }
 
-/// For each station the number of its readings, and evenly spread ones of them.
+/// For each station the number of its readings, and an evenly spread selection of them.
 fn sightings(network: &Network) -> Vec<(usize, Vec<Sighting>)> {
     let mut seen = vec![Vec::new(); network.stations.len()];
     for visit in &network.visits {
@@ -107,13 +106,13 @@ fn sightings(network: &Network) -> Vec<(usize, Vec<Sighting>)> {
     seen.into_iter().map(spread).collect()
 }
 
-/// A reading this many times the median of a poor fit spoils it.
+/// A reading with more than this many times the median residual spoils a poor fit.
 const FAR: f64 = 10.0;
 
 /// Share of the readings that may spoil a fit.
 const MOST_FAR: f64 = 0.05;
 
-/// What is left of the sightings of a poor fit without the few that spoil it; `None` if there are none.
+/// The sightings of a poor fit without those that spoil it; `None` if the fit is not poor, or none or many spoil it.
 fn without_far(
     sightings: &[Sighting],
     cloud: &Cloud,

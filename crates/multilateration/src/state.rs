@@ -11,13 +11,13 @@ use crate::network::Network;
 use crate::pieces::split_mut;
 use crate::reflectors::constants_mm;
 
-/// Position and orientation.
+/// Unknowns of the datum: position and orientation.
 pub(crate) const DATUM: usize = 6;
 
 /// Unknowns of a station.
 pub(crate) const PER_STATION: usize = 4;
 
-/// Groups that are worth handing to another thread: some 20 µs.
+/// Least number of groups to hand to another thread: some 20 µs.
 const LEAST_GROUPS: usize = 128;
 
 /// Unknowns of a pose.
@@ -40,14 +40,14 @@ pub(crate) struct State {
     pub(crate) dead_paths_mm: Vec<f64>,
     /// All points; those of tied groups follow from poses and shapes.
     pub(crate) points: Vec<Point3<f64>>,
-    /// Datum from home, one for each group; empty in a network without bodies. Of a group whose points are
-    /// free the nominal one.
+    /// Datum from home, one for each group, the nominal one for a group with free points; empty in a network without
+    /// bodies.
     pub(crate) poses: Vec<Isometry3<f64>>,
     /// Home positions of the targets of each body, mm.
     pub(crate) shapes_mm: Vec<Vec<Point3<f64>>>,
     /// What the constants of all reflectors have in common ([`crate::known`]); zero where no dead path is known.
     pub(crate) mean_constant_mm: f64,
-    /// Of the constants of reflectors ([`crate::reflectors`]).
+    /// Contrasts of the constants of reflectors ([`crate::reflectors`]).
     pub(crate) contrasts_mm: Vec<f64>,
 }
 
@@ -60,7 +60,7 @@ pub(crate) struct Common<'a> {
 }
 
 impl State {
-    /// Stations, their first dead paths and points as given, and bodies where they fit the points best.
+    /// Stations, their first dead paths and points as given; bodies in the pose that fits the points best.
     pub(crate) fn new(
         network: &Network,
         stations: Vec<Point3<f64>>,
@@ -107,7 +107,7 @@ impl State {
         }
     }
 
-    /// Moves everything as a whole; dead paths stay.
+    /// Moves all positions as a whole; dead paths stay.
     pub(crate) fn move_by(&mut self, motion: &Isometry3<f64>) {
         for place in self.stations.iter_mut().chain(&mut self.points) {
             *place = motion * *place;
@@ -142,8 +142,8 @@ impl State {
     }
 }
 
-/// The first dead paths of the stations, and behind them those after the interruptions of a network: lengths are
-/// linear in them, so that they may start like their station's.
+/// The first dead paths of the stations, then those after the interruptions of a network, which start with the value
+/// of their station: lengths are linear in dead paths.
 pub(crate) fn with_interruptions(network: &Network, mut dead_paths_mm: Vec<f64>) -> Vec<f64> {
     dead_paths_mm.truncate(network.stations.len());
     for interruption in &network.interruptions {
@@ -153,7 +153,7 @@ pub(crate) fn with_interruptions(network: &Network, mut dead_paths_mm: Vec<f64>)
 }
 
 impl Placed {
-    /// Writes the places of the points of a body in a pose.
+    /// Writes the positions of the points of a body in a pose.
     pub(crate) fn put(
         &self,
         pose: &Isometry3<f64>,
@@ -165,8 +165,8 @@ impl Placed {
         }
     }
 
-    /// The pose near the nominal one in which the shape fits some points best, to second order in how far it is
-    /// from nominal.
+    /// The pose near the nominal one in which the shape fits some points best, to second order in the distance from
+    /// nominal.
     fn best_fit(&self, shape_mm: &[Point3<f64>], points: &[Point3<f64>]) -> Isometry3<f64> {
         let home = |k: usize| shape_mm[self.places[k]];
         let sum = (0..points.len())

@@ -10,17 +10,17 @@ use crate::lane_vectors::{LaneVector, at, cross, dot, minus, plus, plus_times, t
 /// What ties the points of a batch to poses.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Tie {
-    /// Of the poses the vectors of their quaternions, the real parts, the columns of the matrices of their rotations, and
-    /// where they take the origin, mm.
+    /// Of the poses: the vector parts of their quaternions, the real parts, the columns of their rotation matrices,
+    /// and the images of the origin, mm.
     turn: LaneVector,
     real: Lanes,
     columns: [LaneVector; 3],
     shift_mm: LaneVector,
     /// Centroids of the points, mm.
     centre_mm: LaneVector,
-    /// From the centroid of each group's points to these, mm, x y z of each.
+    /// From the centroid of each group's points to the points, mm, x y z of each.
     pub(crate) arms_mm: Vec<Lanes>,
-    /// What a unit of each deformation does to the points, one deformation after the other, and the column of
+    /// Displacements of the points by a unit of each deformation, one deformation after the other, and the column of
     /// the first among the shared unknowns.
     pub(crate) deformations: Vec<Lanes>,
     pub(crate) first: usize,
@@ -37,8 +37,7 @@ impl Tie {
         self.shift_mm = [along(0), along(1), along(2)];
     }
 
-    /// Takes the points of a batch of a body with these deformations, the first of which has the column
-    /// `first`.
+    /// Takes the points of a batch of a body with these deformations, the first of which has the column `first`.
     #[inline(always)]
     pub(crate) fn fill(
         &mut self,
@@ -69,8 +68,8 @@ impl Tie {
         }
     }
 
-    /// Moves the poses by a shift and a turn about the centroid of the points. It turns with the quaternion `1 + ½ω`, by the
-    /// angle `2 atan ½|ω|`: no sine is needed, and steps differ by a twelfth of the third power of a small angle.
+    /// Moves the poses by a shift and a turn about the centroid of the points. The turn is the quaternion `1 + ½ω`,
+    /// of the angle `2 atan ½|ω|`: this needs no sine, and the angle is short by a twelfth of its third power.
     #[inline(always)]
     pub(crate) fn move_by(&mut self, [shift, turn]: [LaneVector; 2]) {
         let (one, half) = (Lanes::splat(1.0), times(turn, Lanes::splat(0.5)));
@@ -86,7 +85,7 @@ impl Tie {
         self.shift_mm = plus(plus(self.shift_mm, by), shift);
     }
 
-    /// Writes the places of the points in their poses, of a body with this shape.
+    /// Writes the positions of the points of a body with this shape in the poses.
     #[inline(always)]
     pub(crate) fn put(
         &self,

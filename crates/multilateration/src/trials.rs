@@ -1,28 +1,28 @@
-//! Many solutions of one network with other errors: one factorisation serves them all.
+//! Many solutions of one network with new errors: one factorisation serves them all.
 //!
-//! A trial's lengths are those that follow from the solved network, plus errors. With the
-//! derivatives `A`, `B` of the lengths to the unknowns of the groups and to the shared ones, the weights
-//! `P = C⁻¹` and the residuals `r`, the gradient
+//! A trial's lengths are those computed from the solved network, plus errors. With the derivatives `A`, `B` of the
+//! lengths by the unknowns of the groups and by the shared ones, the weights `P = C⁻¹` and the residuals `r`, the
+//! gradient
 //!
 //! ```text
 //! g = Aᵀ P r      b = Bᵀ P r
 //! ```
 //!
-//! leads to a correction by elimination of the groups, with the factors `D = R⁻¹R⁻ᵀ`, `Z` and `Σ` that the
-//! solution left ([`trueaxis_leastsquares::Covariance`]):
+//! leads to a correction by elimination of the groups, with the factors `D = R⁻¹R⁻ᵀ`, `Z` and `Σ` of the solution
+//! ([`trueaxis_leastsquares::Covariance`]):
 //!
 //! ```text
 //! (s, λ) = Σ ( (b, h) - Σ_groups Zᵀ g )      shared unknowns; multipliers of the datum
 //! dx     = D g - Z (s, λ)                    groups
 //! ```
 //!
-//! where `h` is what the constraints of the datum miss.
+//! where `h` is the closure of the constraints of the datum.
 //!
-//! The first correction is the linear solution. Further ones, with the same factors, start from the
-//! exact gradient where the ones before led, with the residuals and the beams there: that beams
-//! turn under residuals of the size of the noise matters as much as the curvature of the lengths.
-//! With errors of the size of the noise the linear solution is off by some 1e-4 standard uncertainties, with ten times as large
-//! ones by some 1e-2; what is left in the end is below 1e-6.
+//! The first correction is the linear solution. Further ones, with the same factors, start from the exact gradient
+//! after the previous ones, with the residuals and beams there: the rotation of beams under residuals of the size of
+//! the noise matters as much as the curvature of the lengths. With errors of the size of the noise the linear
+//! solution is off by some 1e-4 standard uncertainties, with errors ten times as large by some 1e-2; after the last
+//! correction less than 1e-6 remains.
 
 mod errors;
 mod groups;
@@ -41,18 +41,18 @@ use crate::slots::Slots;
 use crate::solution::Solution;
 use crate::state::{DATUM, PER_STATION, zero_column};
 
-/// A solved network, ready to be solved again with other errors, from any number of threads.
+/// A solved network, ready to be solved again with new errors, from any number of threads.
 ///
-/// Weights are held: those that belong to the solution serve all trials. Where they depend on the
-/// beams (lengths that correlate, a part proportional to the distance), a full solve of the same
-/// lengths weighs them by its own beams, which differ by 1e-6.
+/// The weights of the solution serve all trials. Where weights depend on the beams (correlated lengths, a part
+/// proportional to the distance), a full solve of the same lengths would use those of its own beams, which differ by
+/// 1e-6.
 #[derive(Debug, Clone)]
 pub struct Trials {
     noise: ErrorNoise,
     /// What is known beside the lengths.
     known: Vec<KnownRow>,
     groups: Vec<TrialGroups>,
-    /// Where the unknowns of each group start, and behind them their number.
+    /// Start of the unknowns of each group, and last their number.
     starts: Vec<usize>,
     points: usize,
     /// `Σ`, rows one after the other.
@@ -62,7 +62,7 @@ pub struct Trials {
     mean_constant: Option<usize>,
 }
 
-/// What the errors of one trial do to the solution.
+/// Effect of the errors of one trial on the solution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Corrections {
     points: Vec<Vector3<f64>>,
@@ -95,11 +95,11 @@ struct OfBatch {
     gradient: Vec<Lanes>,
 }
 
-/// Most that the corrections left out may move any unknown, in standard uncertainties. It is
-/// estimated from the last two; in thousands of trials it was up to four times as much.
+/// Most that the omitted corrections may move any unknown, in standard uncertainties. It is estimated from the last
+/// two corrections; in thousands of trials the true value was up to four times as much.
 const LEFT_OUT: f64 = 2e-7;
 
-/// Errors that need more corrections are no noise.
+/// Errors that need more corrections than this are not noise.
 const MAX_CORRECTIONS: usize = 20;
 
 impl Trials {
@@ -135,8 +135,8 @@ impl Trials {
         }
     }
 
-    /// Number of errors that a trial needs: one for each reading, mm, and behind them, in standard deviations, one
-    /// for each contrast of the reflectors that is known beforehand and for each known dead path.
+    /// Number of errors that a trial needs: one for each reading, mm, then, in standard deviations, one for each
+    /// contrast of the reflectors with a known σ and for each known dead path.
     pub fn errors(&self) -> usize {
         self.noise.readings() + self.known.len()
     }
@@ -171,15 +171,15 @@ impl Trials {
         }
     }
 
-    /// Draws all errors: of every reading from the noise of the network, a return of the machine for each visit,
-    /// `N(0, σ_m² I)`, and a part of each length's own, `N(0, σ_l²)`; of what is known beside them `N(0, 1)`.
+    /// Draws all errors. Those of readings follow the noise of the network: a return of the machine for each visit,
+    /// `N(0, σ_m² I)`, and each length's own part, `N(0, σ_l²)`. Those of what else is known are `N(0, 1)`.
     ///
-    /// The return acts to first order, by its part along the beam (what is left out is 1e-6 of
-    /// it). Lengths of a visit are then normal with the covariance `C = L Lᵀ` that weighs them, and
-    /// are drawn as `L z`: one normal number for each reading, in measuring order.
+    /// The return acts to first order, by its part along the beam (the rest is 1e-6 of it). The errors of a visit are
+    /// then normal with the covariance `C = L Lᵀ` that weights its lengths, and are drawn as `L z`, with one normal
+    /// number for each reading, in measuring order.
     ///
     /// # Panics
-    /// If there are not [`Trials::errors`].
+    /// If `errors` does not hold [`Trials::errors`] numbers.
     pub fn draw<R: Rng + ?Sized>(&self, rng: &mut R, errors: &mut [f64]) {
         assert_eq!(
             errors.len(),
@@ -194,11 +194,11 @@ impl Trials {
     /// Solves the network for its computed lengths plus these errors (observed minus true), in the
     /// datum of the solution.
     ///
-    /// The result is that of the full nonlinear adjustment with the same weights to 1e-6 standard
-    /// uncertainties. Errors so large that no solution is found give NaN for all unknowns.
+    /// The result agrees with the full nonlinear adjustment with the same weights to 1e-6 standard uncertainties.
+    /// Errors so large that no solution is found give NaN for all unknowns.
     ///
     /// # Panics
-    /// If there are not [`Trials::errors`].
+    /// If `errors` does not hold [`Trials::errors`] numbers.
     pub fn solve<'w>(&self, errors: &[f64], workspace: &'w mut Workspace) -> &'w Corrections {
         assert_eq!(
             errors.len(),
@@ -215,9 +215,9 @@ impl Trials {
     #[inline(always)]
     fn fill(&self, errors: &[f64], workspace: &mut Workspace) {
         self.start(errors, workspace);
-        // Corrections shrink by a constant factor: what is left out after the last is about its
-        // square over the one before. The linear solution counts with one unknown's share, because
-        // the direction that shrinks least is one of many.
+        // Corrections shrink by a constant factor, so the omitted ones are about the square of the last over the one
+        // before. The linear solution counts with one unknown's share, because the direction that shrinks least is
+        // one of many.
         let unknowns = workspace.corrections.groups.len() + self.shared;
         let mut before = self.correct(workspace) / (unknowns as f64).sqrt();
         for _ in 0..MAX_CORRECTIONS {
@@ -239,7 +239,7 @@ impl Trials {
         shared.fill(f64::NAN);
     }
 
-    /// Takes the errors, and forgets the corrections of the trial before.
+    /// Takes the errors of a trial, and clears the corrections.
     #[inline(always)]
     fn start(&self, errors: &[f64], workspace: &mut Workspace) {
         let (errors_mm, known) = errors.split_at(self.noise.readings());
@@ -251,7 +251,7 @@ impl Trials {
         workspace.corrections.shared.fill(0.0);
     }
 
-    /// Adds the correction that follows from the exact gradient where those before have led; its length in
+    /// Adds the correction that follows from the exact gradient after the previous ones, and returns its length in
     /// standard uncertainties.
     #[inline(always)]
     fn correct(&self, workspace: &mut Workspace) -> f64 {
@@ -334,14 +334,14 @@ impl Trials {
 }
 
 impl Corrections {
-    /// Of all points, in the order of the network, mm.
+    /// Corrections of all points, in the order of the network, mm.
     pub fn points_mm(&self) -> &[Vector3<f64>] {
         &self.points
     }
 
-    /// Of the unknowns of a group, in the order of its covariance ([`Solution::covariance`]): x y z of each
-    /// free point, mm; or of a pose the translation of the centroid of its points, mm, and the rotation
-    /// vector about it, rad, in the datum's axes.
+    /// Corrections of the unknowns of a group, in the order of its covariance ([`Solution::covariance`]): x y z of
+    /// each free point, mm; or for a pose the translation of the centroid of its points, mm, and the rotation vector
+    /// about it, rad, in the datum's axes.
     ///
     /// # Panics
     /// If the network has no such group.
@@ -349,13 +349,13 @@ impl Corrections {
         &self.groups[self.starts[group]..self.starts[group + 1]]
     }
 
-    /// Of all shared unknowns, in the order of the covariance, mm: x y z L of each station, the dead paths
-    /// after interruptions, the deformations of the bodies, the mean constant and the contrasts of the reflectors.
+    /// Corrections of all shared unknowns, in the order of the covariance, mm: x y z L of each station, the dead
+    /// paths after interruptions, the deformations of bodies, the mean constant and the contrasts of reflectors.
     pub fn shared_mm(&self) -> &[f64] {
         &self.shared
     }
 
-    /// Of the position of a station, mm.
+    /// Correction of the position of a station, mm.
     ///
     /// # Panics
     /// If the network has no such station.
@@ -365,12 +365,12 @@ impl Corrections {
         Vector3::from_column_slice(&self.shared[first..first + PER_STATION - 1])
     }
 
-    /// Of the mean constant of the reflectors, mm; zero where it is no unknown.
+    /// Correction of the mean constant of the reflectors, mm; zero where it is no unknown.
     pub fn mean_constant_mm(&self) -> f64 {
         self.mean_constant.map_or(0.0, |column| self.shared[column])
     }
 
-    /// Of a dead path, mm. They are numbered by station, then by interruption.
+    /// Correction of a dead path, mm. Dead paths are numbered by station, then by interruption.
     ///
     /// # Panics
     /// If the network has no such dead path.

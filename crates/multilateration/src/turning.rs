@@ -1,4 +1,4 @@
-//! The axis that a machine also turns about when it comes back to the points of a group.
+//! The axis about which a machine also turns when it returns to the points of a group.
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_leastsquares::{LANES, Lanes};
@@ -6,12 +6,12 @@ use trueaxis_leastsquares::{LANES, Lanes};
 use crate::Network;
 use crate::lane_vectors::{LaneVector, cross, dot, minus};
 
-/// The points of a group come back turned about an axis, too, by a normal angle that they share in a visit.
+/// The points of a group also return turned about an axis, by a normal angle common to a visit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turning {
     /// A point on the axis, mm.
     pub point_mm: Point3<f64>,
-    /// Unit vector along it, times the standard deviation of the angle over that of a coordinate
+    /// Unit vector along the axis, times the standard deviation of the angle over that of a coordinate
     /// ([`Noise::repeatability_mm`](crate::Noise)), rad/mm.
     pub rad_per_mm: Vector3<f64>,
 }
@@ -24,7 +24,7 @@ pub(crate) struct LaneTurning {
 }
 
 impl LaneTurning {
-    /// Those of some groups; none where no group of the network has one.
+    /// The axes of some groups; `None` where no group of the network has one.
     pub(crate) fn of(network: &Network, groups: &std::ops::Range<usize>) -> Option<Self> {
         let all = &network.turning.as_deref()?[groups.clone()];
         let lanes = |part: &dyn Fn(&Turning) -> f64| {
@@ -37,8 +37,8 @@ impl LaneTurning {
         })
     }
 
-    /// How much a length becomes longer, in units of the repeatability, by one standard deviation of the angle: with the
-    /// beam and its point.
+    /// Increase of a length, in units of the repeatability, by one standard deviation of the angle; `unit` is along
+    /// the beam to `point`.
     #[inline(always)]
     pub(crate) fn lever(&self, unit: LaneVector, point: LaneVector) -> Lanes {
         dot(unit, cross(self.rad_per_mm, minus(point, self.point_mm)))

@@ -1,4 +1,4 @@
-//! What a network does not determine, in its own words.
+//! What a network does not determine, named by its stations, points and bodies.
 
 use trueaxis_leastsquares::{BLOCK_RANK_TOL, Error as LeastSquaresError};
 
@@ -7,7 +7,7 @@ use crate::solve::MIN_STATIONS_PER_POINT;
 use crate::state::PER_STATION;
 use crate::{Error, Network, StationUnknown};
 
-/// The error in the words of the network.
+/// The error with the indices of the network.
 pub(crate) fn named(network: &Network, error: LeastSquaresError) -> Error {
     match error {
         LeastSquaresError::BlockRank {
@@ -55,7 +55,7 @@ pub(crate) fn named(network: &Network, error: LeastSquaresError) -> Error {
         } => {
             let behind_stations = PER_STATION * network.stations.len();
             let behind_zeros = behind_stations + network.interruptions.len();
-            // The largest share says what is free.
+            // The unknown with the largest share stands for what is free.
             if let Some(&(k, _)) = free.first().filter(|&&(k, _)| k >= behind_zeros) {
                 let Deformations { first, shared, .. } = Deformations::new(network);
                 return match k < shared {

@@ -7,7 +7,7 @@ use crate::beams::Beams;
 use crate::noise::{Noise, factor_len};
 use crate::slots::SlotVisit;
 
-/// The weights of a batch: `L⁻¹` of each visit row by row, with zero rows where there is no reading.
+/// The weights of a batch: `L⁻¹` of each visit row by row, with zero rows where a reading is missing.
 #[inline(always)]
 pub(crate) fn fill_weights(
     batch: &Batch,
@@ -41,8 +41,8 @@ pub(crate) fn fill_weights(
     }
 }
 
-/// Row `i` of the Cholesky factor of a visit whose slots start at `first`, of the diagonal the reciprocal; a reading that
-/// is missing has unit variance and correlates with nothing.
+/// Row `i` of the Cholesky factor of a visit whose slots start at `first`, with the reciprocal of the diagonal; a
+/// missing reading has unit variance and correlates with nothing.
 #[inline(always)]
 fn fill_factor_row(
     batch: &Batch,
@@ -87,7 +87,7 @@ pub(crate) fn own_variance(batch: &Batch, noise: &Noise, slot: usize, distance_m
     (constant + relative * (distance_mm * distance_mm)) * batch.variance_factor(slot)
 }
 
-/// One where there is a reading, zero where there is none.
+/// One where a slot has a reading, zero where it is missing.
 #[inline(always)]
 pub(crate) fn is_read(batch: &Batch, slot: usize) -> Lanes {
     if batch.is_full() {

@@ -1,5 +1,4 @@
-//! An adjusted network as whitened rows in measuring order: what is needed to test whether anything
-//! else is in the lengths.
+//! An adjusted network as whitened rows in measuring order: what a test for further effects in the lengths needs.
 //!
 //! For whitened columns `x` of further unknowns, `M x = x - O Oᵀx - T Σ Tᵀx` is what the adjustment
 //! cannot absorb, with the factors of [`crate::batch_influence`]. The rows of `O` and `T` are kept, so the
@@ -18,8 +17,8 @@ use crate::{Network, Solution};
 
 /// The whitened rows of an adjusted network, visit after visit in measuring order.
 ///
-/// A visit has as many rows as readings. Row `i` of it is made of its readings in an order of their own
-/// ([`Whitened::whiten`] knows it).
+/// A visit has as many rows as readings. Within a visit the rows have an order of their own, which
+/// [`Whitened::whiten`] knows.
 #[derive(Debug, Clone)]
 pub struct Whitened {
     /// The group of each row.
@@ -42,7 +41,7 @@ pub struct Whitened {
     pub degrees_of_freedom: usize,
     /// The rows of each visit.
     pub visits: Vec<Range<usize>>,
-    /// The reading whose own part is largest in each row: rows of a visit in the order of its weights.
+    /// The reading that each row has on the diagonal of `L⁻¹`; the rows of a visit are in the order of its weights.
     reading_of_row: Vec<usize>,
     /// `L⁻¹` of each visit by rows up to the diagonal, one visit after the other.
     weights: Vec<f64>,
@@ -102,7 +101,7 @@ impl Whitened {
         whitened
     }
 
-    /// The places of the rows of all visits, to be filled.
+    /// The rows of all visits, to be filled.
     fn by_visit(&mut self, network: &Network) -> Vec<VisitRows<'_>> {
         let counts = || network.visits.iter().map(|visit| visit.readings.len());
         let of_rows = |width: usize| counts().map(move |count| count * width);
@@ -127,7 +126,7 @@ impl Whitened {
         self.whiten_from(0, column);
     }
 
-    /// The same of the visits from one on: the first element of the column is that of its first reading.
+    /// The same for the visits from `first_visit` on, whose first reading the column starts with.
     pub fn whiten_from(&self, first_visit: usize, column: &mut [f64]) {
         let first = self.visits.get(first_visit).map_or(0, |rows| rows.start);
         let mut by_row = Vec::new();
@@ -172,7 +171,7 @@ impl Whitened {
         &self.weights[self.weight_starts[visit]..][factor_len(i)..factor_len(i + 1)]
     }
 
-    /// Writes a unit error of a reading of a visit, whitened: an element for each row of the visit.
+    /// Writes a whitened unit error of a reading of a visit: an element for each row of the visit.
     pub fn unit_error(&self, visit: usize, reading: usize, unit: &mut Vec<f64>) {
         unit.clear();
         let rows = self.visits[visit].clone();
@@ -185,7 +184,7 @@ impl Whitened {
         unit.extend((0..rows.len()).map(|i| element(i).unwrap_or_default()));
     }
 
-    /// Where the unknowns of the group of a row are among those of all groups, of [`Whitened::own_width`] each.
+    /// Range of the unknowns of a row's group among those of all groups, [`Whitened::own_width`] for each.
     pub fn columns_of_group(&self, row: usize) -> Range<usize> {
         let group = self.group_of_row[row];
         group * self.own_width..(group + 1) * self.own_width
@@ -196,7 +195,7 @@ impl Whitened {
         &self.own[row * self.own_width..][..self.own_width]
     }
 
-    /// Adds a row of `O` and of `T`, times a factor, to sums over rows of one group and over all rows.
+    /// Adds a row of `O` and of `T`, times a factor, to the sums of its group and of all rows.
     pub fn add_row(&self, row: usize, factor: f64, own: &mut [f64], shared: &mut [f64]) {
         add_times(own, factor, self.own_row(row));
         add_times(shared, factor, self.shared_row(row));

@@ -1,4 +1,4 @@
-//! Why a campaign gives no poses, in its own words.
+//! Why a campaign gives no poses, named as in the campaign.
 
 /// A campaign that does not yield poses.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -26,7 +26,7 @@ pub enum Error {
         /// Why it stopped, with numbers.
         termination: String,
     },
-    /// So much would have to be removed, or so little tells what, that no result can be trusted.
+    /// So much would have to be removed, or so little shows what, that no result can be trusted.
     #[error("{what}; {hint}")]
     NotTrustworthy {
         /// What contradicts what.
@@ -92,7 +92,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// What is wrong, without what to do about it.
+    /// What is wrong, without the advice what to do about it.
     pub fn what(&self) -> String {
         match self {
             Self::NotIdentifiable { what, .. } | Self::NotTrustworthy { what, .. } => what.clone(),

@@ -8,12 +8,11 @@
 //! x_i = ξ_i - Z_i s     cov(x_i, x_k) = [i = k] D_i + Z_i Σ Z_kᵀ
 //! ```
 //!
-//! with a part of its own for each pose and one through what all share: stations, dead paths, the shapes of the
+//! with a part of its own for each pose and one through what all poses share: stations, dead paths, the shapes of the
 //! targets, the datum.
 //!
-//! Noun in: a checked [`trueaxis_campaign::Campaign`] and [`Settings`]; noun out: [`MeasuredPoses`], the
-//! [`Poses`] with what was adjusted beside them. There are three ways; later stages need not know which was
-//! taken:
+//! Noun in: a checked [`trueaxis_campaign::Campaign`] and [`Settings`]; noun out: [`MeasuredPoses`], the [`Poses`]
+//! with what was adjusted beside them. There are three methods; later stages need not know which was used:
 //!
 //! - [`Method::Joint`]: one adjustment of all lengths with rigid stages
 //!   (`trueaxis-multilateration`), in which every pose is an unknown;
@@ -21,12 +20,11 @@
 //!   (`trueaxis-identify`, paper Eqs. 20 and 21); the paper's path;
 //! - [`Method::Six`]: the same with six of the nine.
 //!
-//! Coordinates that an instrument measured directly are brought into the datum; their poses follow from the
-//! equations.
+//! Coordinates that an instrument measured directly are moved into the datum; their poses follow from the equations.
 //!
 //! Before that, lengths that contradict the others are removed, interrupted occupations are split, and the noise is
-//! estimated from what is left ([`trueaxis_screening::screen`]); [`AdjustmentReport`] says what was done.
-//! [`PoseTrials`] measures again with other errors: Monte Carlo and reliability.
+//! estimated from the rest ([`trueaxis_screening::screen`]); [`AdjustmentReport`] says what was done. [`PoseTrials`]
+//! repeats the measurement with new errors, for Monte Carlo and reliability.
 //! [`EffectsOnLengths`] takes what known effects do (drift, jumps, lost motion) out of the lengths.
 //!
 #![doc = "```"]
@@ -35,8 +33,8 @@
 //!
 //! # What it does not do
 //!
-//! It knows no axes' errors and no reference frame: poses are in the datum, the best fit of all targets to their
-//! nominal positions. Measured coordinates are not screened; their noise is tested, and estimated where the
+//! It knows neither errors of axes nor a reference frame: poses are in the datum, the best fit of all targets to
+//! their nominal positions. Measured coordinates are not screened; their noise is tested, and estimated where the
 //! test fails or nothing is declared.
 
 mod error;

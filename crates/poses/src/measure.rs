@@ -1,4 +1,4 @@
-//! The headline verb: a campaign to the poses of its stages.
+//! The headline verb: from a campaign to the poses of its stages.
 
 use nalgebra::{Matrix2, Point3};
 use trueaxis_campaign::{Campaign, Lengths, Points};
@@ -21,50 +21,49 @@ use crate::settings::{Method, Settings};
 /// The poses of a campaign with what was adjusted beside them.
 pub struct MeasuredPoses<'a> {
     campaign: &'a Campaign,
-    /// How the poses were found: [`Method::Nine`] where [`Method::Joint`] was asked of measured points.
+    /// The method used: [`Method::Nine`] where [`Method::Joint`] was asked for measured points.
     pub method: Method,
-    /// The poses, with the noise that was declared or that the residuals show.
+    /// The poses, with the declared noise or the noise that the residuals show.
     pub poses: Poses,
     /// What the measurement says about itself.
     pub adjustment: AdjustmentReport,
     /// Steps whose targets do not move as a rigid body.
     pub misfits: Vec<StepMisfit>,
-    /// Runs that see the stage turned against each other where all axes stand alike; sought among measured points.
+    /// Runs between which the stage is turned at equal axis positions; only for measured points.
     pub turned_runs: Vec<TurnedRuns>,
     /// Largest variance of a coordinate of a point at the first step, mm²; `None` where there are no points.
     pub point_variance_mm2: Option<f64>,
-    /// The noise that the poses of the joint adjustment would have by equations; `None` for other methods and
-    /// where equations do not give the same poses.
+    /// The noise that the poses of the joint adjustment would have by equations; `None` for other methods and where
+    /// the equations do not give the same poses.
     pub by_equations: Option<NoiseByEquations>,
     /// The adjusted lengths; `None` for a points campaign.
     pub lengths: Option<LengthsAdjustment<'a>>,
     /// The points, and the equations by which the poses follow from them; `None` for the joint adjustment.
     pub(crate) points: Option<(MeasuredPoints, PointEquations)>,
-    /// What rigid motions leave of measured coordinates; empty where lengths were measured.
+    /// What rigid motions leave of measured coordinates; empty for lengths.
     point_residuals: Vec<Residual>,
     /// What a user must know before using the poses.
     pub notices: Vec<String>,
 }
 
-/// The noise of poses by points and equations, from the same lengths as those of the joint adjustment and about
-/// the same pivots.
+/// The noise of poses by points and equations, for the same lengths and pivots as those of the joint adjustment.
 #[derive(Debug, Clone)]
 pub struct NoiseByEquations {
     /// By all nine equations, weighted.
     pub nine: PoseNoise,
-    /// By the paper's six; `None` where these do not determine the poses.
+    /// By the paper's six; `None` where six do not determine the poses.
     pub six: Option<PoseNoise>,
 }
 
-/// Steps up to which the joint adjustment is compared with equations: beyond, these would take most of the
-/// time and say the same.
+/// Most steps for which the joint adjustment is compared with equations: with more the comparison would take most of
+/// the time and say the same.
 const MOST_STEPS: usize = 10_000;
 
-/// The poses of all stages under test, in the datum: the best fit of the targets to their nominal positions. In one
-/// adjustment, or as in the paper: its section 3 (points) and then 4.1 (equations).
+/// The poses of all stages under test, in the datum: the best fit of the targets to their nominal positions. They
+/// come from one adjustment or, as in the paper, from its sections 3 (points) and then 4.1 (equations).
 ///
 /// # Errors
-/// See [`Error`]; nothing is returned that is not converged or not determined.
+/// See [`Error`]; a result that is not converged or not determined is an error.
 pub fn measure<'a>(
     campaign: &'a Campaign,
     settings: &Settings,
@@ -97,7 +96,7 @@ fn from_lengths<'a>(
         false => Some(by_points(campaign, &lengths, settings.method)?),
     };
     let mut misfits = lengths.steps_not_rigid();
-    // What the lengths that are left say of the step counts.
+    // The test by the remaining lengths of a step takes precedence.
     let mut lost = lengths.lost_targets();
     lost.retain(|lost| misfits.iter().all(|misfit| misfit.step != lost.step));
     misfits.extend(lost);
@@ -134,7 +133,7 @@ fn from_lengths<'a>(
     })
 }
 
-/// The points that the lengths have without rigid stages, and the poses that follow from them.
+/// The points of the lengths without rigid stages, and the poses that follow from them.
 fn by_points(
     campaign: &Campaign,
     lengths: &LengthsAdjustment<'_>,
@@ -180,7 +179,7 @@ fn from_points<'a>(
         (&points, &shown),
         (&found, &point_residuals),
     );
-    // Undeclared, the noise is what the residuals say; a mistake is to stand out of a declared one, which it makes fail.
+    // Undeclared noise is what the residuals show. A mistake must stand out of declared noise, which it makes fail.
     if !adjustment.noise_declared && adjustment.uncertainty_factor > 0.0 {
         for residual in &mut point_residuals {
             residual.standardized /= adjustment.uncertainty_factor;
@@ -191,7 +190,7 @@ fn from_points<'a>(
     let noise_dof = adjustment.factor_degrees_of_freedom;
     let turned_runs = turned_runs(campaign, &found.poses, noise_dof);
     notices.extend(turned_runs.iter().map(TurnedRuns::in_words));
-    // What is drawn from it, too.
+    // Trials draw from this noise, too.
     let factor = adjustment.uncertainty_factor.powi(2);
     points.noise.own.iter_mut().for_each(|own| *own *= factor);
     Ok(MeasuredPoses {
@@ -211,12 +210,12 @@ fn from_points<'a>(
 }
 
 impl Poses {
-    /// Follows the report: all variances by the square of its factor, which is known as well as it says.
+    /// Multiplies all variances by the square of the report's factor, whose own uncertainty is added.
     fn follow(&mut self, report: &AdjustmentReport) {
         let factor = report.uncertainty_factor.powi(2);
         self.noise.scale(factor);
         self.instrument.scale(factor);
-        // That of an estimated repeatability is that of both.
+        // The covariance of an estimated repeatability already contains that of the factor.
         let is_open = self.relative_covariance[(0, 0)] <= 0.0;
         if is_open && report.factor_degrees_of_freedom.is_finite() {
             let variance = 2.0 / report.factor_degrees_of_freedom;
@@ -226,8 +225,8 @@ impl Poses {
 }
 
 impl<'a> MeasuredPoses<'a> {
-    /// The residuals of all lengths, or of all coordinates that led to poses, in measuring order. Those of
-    /// coordinates are in units of the declared noise where all of it is declared.
+    /// The residuals of all lengths, or of all coordinates that led to poses, in measuring order. Coordinates have
+    /// units of the declared noise where it is declared for all of them.
     pub fn residuals(&self) -> Vec<Residual> {
         let of_points = || self.point_residuals.clone();
         let lengths = self.lengths.as_ref();
@@ -244,7 +243,7 @@ impl<'a> MeasuredPoses<'a> {
         self.of_lengths(LengthsAdjustment::stations)
     }
 
-    /// Whether known dead paths tell what the constants of all reflectors have in common.
+    /// Whether known dead paths determine what the constants of all reflectors have in common.
     pub fn knows_mean_constant(&self) -> bool {
         self.of_lengths(|lengths| lengths.screened.solution.mean_constant_mm.is_some())
     }
@@ -261,24 +260,24 @@ impl<'a> MeasuredPoses<'a> {
         ppm.map_or(0.0, |ppm| ppm * 1e-6)
     }
 
-    /// Where the targets on the bed stand, in the datum, mm, with their numbers.
+    /// The positions of the targets on the bed, in the datum, mm, with their numbers.
     pub fn targets_on_bed(&self) -> Vec<(usize, Point3<f64>)> {
         self.of_lengths(LengthsAdjustment::targets_on_bed)
     }
 
-    /// What is known and contradicts the lengths.
+    /// What is known beside the lengths and contradicts them.
     pub fn known_misfits(&self) -> Vec<KnownMisfit> {
         self.of_lengths(|lengths| lengths.known_misfits.clone())
     }
 
-    /// Nothing for a points campaign.
+    /// What `of` gives for lengths; nothing for a points campaign.
     fn of_lengths<T: Default>(&self, of: impl FnOnce(&LengthsAdjustment<'a>) -> T) -> T {
         self.lengths.as_ref().map(of).unwrap_or_default()
     }
 
-    /// Standard deviations of the component errors at the reference point of the axis under test for unit
-    /// noise of the points, by the equations used and by all nine without weights, mm and rad per mm: the mean
-    /// over some of the poses, by their numbers. `None` for the joint adjustment, which has no points.
+    /// Standard deviations of the component errors at the reference point of the axis under test for unit noise of
+    /// the points, by the equations used and by all nine without weights, mm and rad per mm: the mean over the poses
+    /// with these numbers. `None` for the joint adjustment, which has no points.
     pub fn noise_gain(&self, machine: &Machine, poses: &[usize]) -> Option<[[f64; 6]; 2]> {
         let (_, equations) = self.points.as_ref()?;
         let mut mean = [[0.0; 6]; 2];

@@ -1,4 +1,4 @@
-//! What a calibration needs and a campaign does not have, by its layout alone: nothing is adjusted.
+//! What a campaign lacks for a calibration, by its layout alone: nothing is adjusted.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use trueaxis_multilateration::{MIN_STATIONS, are_in_line};
 
 use crate::words::target_names;
 
-/// Positions that tell the direction of an axis from its errors, and its straightness from its direction.
+/// Least number of positions that separates the direction of an axis from its errors, and from its straightness.
 const POSITIONS: usize = 3;
 
 /// What is missing, as notices: stations, targets that show how a stage turns, positions of an axis.

@@ -1,9 +1,9 @@
-//! Poses: what an adjustment says of the stages, whatever kind it was; their errors as on the page of the crate,
-//! along the axes of the datum.
+//! Poses: what any adjustment says about the stages. Their errors are as on the page of the crate, along the axes of
+//! the datum.
 //!
-//! `D_i` is the pose's own covariance, `s` what all have in common: first the stations (x y z and dead path
-//! of each), then other dead paths, shapes of targets, and the datum. The joint adjustment and the nine
-//! or six equations both end here; who takes poses does not know which it was.
+//! `D_i` is the pose's own covariance, `s` what all poses share: first the stations (x y z and dead path of each),
+//! then other dead paths, shapes of targets, and the datum. The joint adjustment and the nine or six equations all
+//! give these poses; later stages do not know which it was.
 
 use nalgebra::{
     DMatrix, Isometry3, Matrix2, Matrix3, Matrix6, MatrixView6xX, Point3, Translation3,
@@ -14,16 +14,16 @@ use trueaxis_campaign::Direction;
 /// All measured poses of the stages under test.
 #[derive(Debug, Clone)]
 pub struct Poses {
-    /// The bodies that the poses are of.
+    /// The bodies to which the poses belong.
     pub bodies: Vec<TargetBody>,
-    /// One for each step (and side of approach, where kept apart) of each run.
+    /// One for each step (and side of approach, if the sides are kept apart) of each run.
     pub observations: Vec<PoseObservation>,
     /// Covariance of their errors.
     pub noise: PoseNoise,
-    /// The part of the noise that comes from the instrument alone.
+    /// The part of the noise that the instrument alone causes.
     pub instrument: PoseNoise,
-    /// How well the two variance factors of the noise (the instrument's, the repeatability) are known:
-    /// their covariance relative to their values. Zero if the declared noise is taken for the truth.
+    /// How well the two variance factors of the noise (the instrument's, the repeatability) are known: their
+    /// covariance relative to their values. Zero if the declared noise counts as known.
     pub relative_covariance: Matrix2<f64>,
 }
 
@@ -41,11 +41,11 @@ pub struct TargetBody {
 pub struct PoseObservation {
     /// The campaign's step.
     pub step: usize,
-    /// Side of approach, where kept apart.
+    /// Side of approach, if the sides are kept apart.
     pub direction: Option<Direction>,
     /// The body, an index into [`Poses::bodies`].
     pub body: usize,
-    /// Brings the body from home to where it was, in the datum.
+    /// Brings the body from home to its measured pose, in the datum.
     pub datum_from_home: Isometry3<f64>,
     /// The point that the error of the pose refers to, in the datum, mm.
     pub pivot_mm: Point3<f64>,
@@ -58,15 +58,14 @@ pub struct PoseNoise {
     pub own: Vec<Matrix6<f64>>,
     /// `Z` of each pose, one after the other ([`PoseNoise::coupling`]).
     pub(crate) couplings: Vec<f64>,
-    /// `Σ`. It may be indefinite and makes sense only between couplings, but for the stations.
+    /// `Σ`. It may be indefinite and has a meaning only between couplings, except for the stations.
     pub shared: DMatrix<f64>,
-    /// How many of the shared sources, which are the first, come from stations, dead paths and datum. The
-    /// others, independent of them, are shapes as functions of the points: noise even if the stations are
-    /// known.
+    /// Number of the first shared sources, which come from stations, dead paths and datum. The others, independent of
+    /// them, are shapes as functions of the points: noise even if the stations are known.
     pub of_stations: usize,
-    /// The part of `Σ` that comes from what is declared, with its uncertainty, and not from the noise of lengths.
+    /// The part of `Σ` that comes from declared uncertainties and not from the noise of lengths.
     pub declared: DMatrix<f64>,
-    /// x y z and dead path of each station, mm, as functions of the shared sources: a row each. None in a points
+    /// x y z and dead path of each station, mm, as functions of the shared sources, a row each; empty in a points
     /// campaign.
     pub stations: DMatrix<f64>,
 }
@@ -74,11 +73,11 @@ pub struct PoseNoise {
 /// A variance in parts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ThroughSources {
-    /// What comes through the stations, and what all that is declared does.
+    /// Through stations, dead paths and datum, declared parts included.
     pub stations: f64,
-    /// Of that, what is declared.
+    /// The declared part of `stations`.
     pub declared: f64,
-    /// The rest.
+    /// Through shapes.
     pub shapes: f64,
 }
 
@@ -97,7 +96,7 @@ impl PoseNoise {
         MatrixView6xX::from_slice(&self.couplings[pose * size..][..size], self.width())
     }
 
-    /// Multiplies all variances but those that are declared.
+    /// Multiplies all variances except declared ones.
     pub(crate) fn scale(&mut self, factor: f64) {
         self.own.iter_mut().for_each(|own| *own *= factor);
         self.shared -= &self.declared;
@@ -105,7 +104,7 @@ impl PoseNoise {
         self.shared += &self.declared;
     }
 
-    /// The variances of functions with these coefficients of the shared sources, a row each.
+    /// The variances of functions of the shared sources, with a row of coefficients for each.
     pub fn through_sources(&self, coefficients: &DMatrix<f64>) -> Vec<ThroughSources> {
         let products = (coefficients * &self.shared).component_mul(coefficients);
         let of_stations = products.columns(0, self.of_stations).column_sum();
@@ -125,7 +124,7 @@ impl PoseNoise {
 }
 
 impl Poses {
-    /// The same errors about the pivots of `other`; `None` if those are not poses of the same steps.
+    /// The same errors about the pivots of `other`; `None` if its poses are not those of the same steps.
     pub(crate) fn noise_about_pivots_of(&self, other: &Self) -> Option<PoseNoise> {
         let mut noise = self.noise.clone();
         let size = 6 * noise.width();
@@ -152,14 +151,14 @@ impl PoseObservation {
         turned_about(&self.pivot_mm, twist) * self.datum_from_home
     }
 
-    /// The twist about another pivot (datum, mm) from that about the own one.
+    /// From the twist about the pose's own pivot to that about another pivot (datum, mm).
     pub(crate) fn to_pivot(&self, pivot_mm: &Point3<f64>) -> Matrix6<f64> {
         let arm_mm = pivot_mm - self.pivot_mm;
         twist_map(&Matrix3::identity(), &-arm_mm.cross_matrix())
     }
 }
 
-/// The map of twists that turns both parts and moves the pivot: translations of the new one by rotations.
+/// The map of twists that turns both parts and moves the pivot: `by_rotation` times the rotation is added.
 pub fn twist_map(turn: &Matrix3<f64>, by_rotation: &Matrix3<f64>) -> Matrix6<f64> {
     let mut map = Matrix6::zeros();
     map.fixed_view_mut::<3, 3>(0, 0).copy_from(turn);
@@ -168,7 +167,7 @@ pub fn twist_map(turn: &Matrix3<f64>, by_rotation: &Matrix3<f64>) -> Matrix6<f64
     map
 }
 
-/// The motion by a twist: the pivot moves by its first three elements, everything turns by the others.
+/// The motion of a twist: its first three elements move the pivot, the others turn everything about it.
 pub fn turned_about(pivot_mm: &Point3<f64>, twist: &Vector6<f64>) -> Isometry3<f64> {
     let part = |first: usize| -> Vector3<f64> { twist.fixed_rows::<3>(first).into_owned() };
     Translation3::from(pivot_mm.coords + part(0))

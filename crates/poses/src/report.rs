@@ -14,16 +14,16 @@ pub struct AdjustmentReport {
     pub unknowns: usize,
     /// Redundancy.
     pub degrees_of_freedom: usize,
-    /// Standard deviation of unit weight with the declared noise: 1 if the noise is as declared.
+    /// Standard deviation of unit weight with the declared noise: about 1 if the noise is as declared.
     pub sigma0: f64,
     /// Probability of residuals at least as large if the noise is as declared.
     pub p_value: f64,
     /// Whether the noise was declared.
     pub noise_declared: bool,
-    /// Factor on all standard uncertainties beyond the noise that was used for weights: 1 unless a points campaign's
-    /// residuals contradict its declared noise. A repeatability that holds was weighed as so much smaller.
+    /// Factor on all standard uncertainties beyond the noise of the weights: 1 unless the residuals of a points
+    /// campaign contradict the declared noise. A repeatability that holds was weighted as so much smaller.
     pub uncertainty_factor: f64,
-    /// Degrees of freedom of that factor; infinite where it is 1 because the declared noise holds.
+    /// Degrees of freedom of the factor; infinite where it is 1 because the declared noise holds.
     pub factor_degrees_of_freedom: f64,
     /// Rms of the residuals, mm.
     pub rms_residual_mm: f64,
@@ -31,7 +31,7 @@ pub struct AdjustmentReport {
     pub noise: Option<NoiseReport>,
     /// Iterations of the adjustment.
     pub iterations: usize,
-    /// Why it stopped.
+    /// Why the iteration stopped.
     pub termination: String,
     /// Lengths that were removed as gross errors, in measuring order.
     pub rejected: Vec<RejectedLength>,
@@ -42,11 +42,11 @@ pub struct AdjustmentReport {
 /// The noise that was used for weights and uncertainties.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoiseReport {
-    /// What it rests on.
+    /// The source of the noise.
     pub basis: NoiseBasis,
     /// Constant part of a length's standard deviation.
     pub length: PartReport,
-    /// Proportional part of it, µm per m; it keeps its declared ratio to the constant one.
+    /// Proportional part of the standard deviation, µm per m; it keeps its declared ratio to the constant part.
     pub length_ppm: f64,
     /// Standard deviation per coordinate of the machine's repeatability.
     pub repeatability: PartReport,
@@ -57,7 +57,7 @@ pub struct NoiseReport {
 pub struct PartReport {
     /// The declared standard deviation, mm.
     pub declared_mm: Option<f64>,
-    /// The one used; its p-value is that of the test against the declared one.
+    /// The value used; its p-value is that of the test against the declared one.
     pub used: PartEstimate,
 }
 
@@ -68,31 +68,31 @@ pub struct RejectedLength {
     pub line: usize,
     /// A description: station, target and step.
     pub length: String,
-    /// Its estimated error, observed minus right, mm.
+    /// Its estimated error, observed minus true, mm.
     pub error_mm: f64,
-    /// Standard uncertainty of that, mm.
+    /// Standard uncertainty of the error, mm.
     pub u_mm: f64,
-    /// It does not contradict the others, but nothing checks it beside a length of the same point that
-    /// does.
+    /// The length itself does not contradict the others, but nothing checks it since a length of the same point was
+    /// removed.
     pub unchecked: bool,
 }
 
-/// An occupation of a station in which all lengths change by a constant from an instant on.
+/// An occupation of a station in which all lengths change by a constant at one instant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InterruptedOccupation {
     /// Name of the station.
     pub station: String,
-    /// The last line before the jump and the first one after it, of this station.
+    /// The last line before the jump and the first one after it, for this station.
     pub lines: [usize; 2],
     /// Their times, s.
     pub times_s: [f64; 2],
     /// By how much the lengths change, mm.
     pub change_mm: f64,
-    /// Standard uncertainty of that, mm.
+    /// Standard uncertainty of the change, mm.
     pub u_mm: f64,
-    /// Not only an interrupted beam explains it, but a tripod that moved as well.
+    /// A tripod that moved explains the jump as well as an interrupted beam.
     pub tripod_may_have_moved: bool,
-    /// A zero or a tripod that wanders in a smooth course explains it nearly as well.
+    /// A zero or a tripod that wanders in a smooth course explains the jump nearly as well.
     pub may_wander: bool,
 }
 
@@ -114,39 +114,39 @@ impl InterruptedOccupation {
 pub struct StepMisfit {
     /// A description of the step.
     pub step: String,
-    /// Rms of what a rigid motion leaves of measured coordinates; of lengths that of what its triangle differs by, µm.
+    /// Rms of what a rigid motion leaves of measured coordinates; for lengths, of the difference of the triangle, µm.
     pub rms_um: f64,
-    /// `vᵀ C⁻¹ v`; of lengths by how much that of the whole adjustment drops without the triangle of the others.
+    /// `vᵀ C⁻¹ v`; for lengths the drop of that of the whole adjustment if the step has a triangle of its own.
     pub chi_squared: f64,
     /// Its degrees of freedom.
     pub degrees_of_freedom: usize,
-    /// Probability of one as large if the targets are rigid.
+    /// Probability of a value as large if the targets are rigid.
     pub p_value: f64,
 }
 
-/// Two runs that see the stage turned against each other at a position of all axes that they share.
+/// Two runs between which the stage is turned at a position of all axes that they share.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TurnedRuns {
     /// Their names.
     pub runs: [String; 2],
-    /// Where, as the first run has it.
+    /// The position, as the first run has it.
     pub at: String,
-    /// How far the second is turned against the first about the reference axes, rad.
+    /// Rotation of the second run against the first about the reference axes, rad.
     pub turned_rad: Vector3<f64>,
     /// Standard uncertainties.
     pub u_rad: Vector3<f64>,
-    /// What that moves the targets by, rms about their middle, mm.
+    /// Displacement of the targets by this rotation, rms about their middle, mm.
     pub moved_mm: f64,
     /// `θᵀ C⁻¹ θ`.
     pub chi_squared: f64,
-    /// Its degrees of freedom: angles about rotary axes that carry the targets are not asked.
+    /// Its degrees of freedom: angles about rotary axes that carry the targets are not tested.
     pub degrees_of_freedom: usize,
-    /// Probability of one as large if nothing moved between the runs.
+    /// Probability of a value as large if nothing moved between the runs.
     pub p_value: f64,
 }
 
 impl TurnedRuns {
-    /// What a user must know of it.
+    /// The notice about it.
     pub fn in_words(&self) -> String {
         let [a, b] = &self.runs;
         let parts = ["A", "B", "C"]
@@ -165,21 +165,21 @@ impl TurnedRuns {
     }
 }
 
-/// Something known, a dead path or a length, that contradicts the lengths.
+/// A known dead path or length that contradicts the measured lengths.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KnownMisfit {
     /// A description of what it is.
     pub what: String,
-    /// Known less what the lengths and all else that is known say, mm.
+    /// Known value less what the lengths and all other known values say, mm.
     pub difference_mm: f64,
-    /// Its square in units of its variance.
+    /// The square of the difference in units of its variance.
     pub chi_squared: f64,
-    /// Probability of one as large if nothing contradicts the lengths.
+    /// Probability of a value as large if nothing contradicts the lengths.
     pub p_value: f64,
 }
 
-/// Significance at which the declared noise is given up for the residuals' own in a points campaign,
-/// and at which a word is said about it: one clean campaign in a thousand.
+/// Significance at which a points campaign gives up the declared noise for that of its residuals, and at which a
+/// notice says so: one clean campaign in a thousand.
 pub(crate) const GLOBAL_TEST_LEVEL: f64 = 1e-3;
 
 /// Degrees of freedom that are as good as infinite.
@@ -191,8 +191,8 @@ impl AdjustmentReport {
         self.p_value < GLOBAL_TEST_LEVEL
     }
 
-    /// How the residuals compare with the declared noise, if that is worth a word, and what follows.
-    /// `both_sides` says whether the mean of both sides of approach is adjusted.
+    /// How the residuals compare with the declared noise, if that needs a notice, and the consequence. `both_sides`
+    /// says whether the mean of both sides of approach is adjusted.
     pub(crate) fn residual_notices(&self, consequence: &str, both_sides: bool) -> Vec<String> {
         let (sigma0, p_value, degrees_of_freedom) =
             (self.sigma0, self.p_value, self.degrees_of_freedom);
@@ -230,7 +230,7 @@ impl AdjustmentReport {
     }
 }
 
-/// A p-value that may be too small for a number.
+/// A p-value in words, as it may be too small for a number.
 pub(crate) fn p_in_words(p_value: f64) -> String {
     match p_value < f64::MIN_POSITIVE {
         true => "p below 1e-300".to_owned(),

@@ -15,8 +15,8 @@ pub struct Settings {
     pub robust: bool,
     /// Share of the lengths that may be removed as gross errors.
     pub most_removed: f64,
-    /// Whether a diagnosis asks why lengths contradict each other, where a calibration refuses: those that are removed may be many
-    /// of one target, and what is left may be so much that stations are poorly known.
+    /// Whether a diagnosis asks why lengths contradict each other, where a calibration would refuse them: many
+    /// lengths of one target may be removed, and stations may be poorly known.
     pub asks_why: bool,
 }
 
@@ -35,8 +35,8 @@ impl Default for Settings {
 /// How the pose of a stage follows from the lengths or points of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Method {
-    /// The lengths of all steps in one adjustment with rigid stages: the pose of each step is an unknown
-    /// of it. Measured points are identified as with [`Method::Nine`].
+    /// The lengths of all steps in one adjustment with rigid stages, whose unknowns include the pose of each step.
+    /// Measured points are identified as with [`Method::Nine`].
     #[default]
     Joint,
     /// Points first, each free of the others; then all nine equations (three for each target), weighted with

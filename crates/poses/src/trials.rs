@@ -1,9 +1,8 @@
-//! The same measurement with other errors, as often as asked.
+//! The same measurement with new errors, as often as needed.
 //!
-//! A trial's lengths are those that follow from the adjusted state, plus errors. The poses come from
-//! [`trueaxis_multilateration::Trials`] (one factorisation, one corrector step), or from its points by the
-//! equations that made the poses. Weights stay as they are. In a points campaign the points themselves are
-//! drawn.
+//! A trial's lengths are those computed from the adjusted state, plus errors. The poses come from
+//! [`trueaxis_multilateration::Trials`] (one factorisation, a few corrections), or from its points by the equations
+//! that gave the measured poses. Weights stay as they are. In a points campaign the points themselves are drawn.
 
 use std::ops::Range;
 
@@ -17,37 +16,37 @@ use crate::Error;
 use crate::lengths::scale::at_scale;
 use crate::measure::MeasuredPoses;
 
-/// Measured poses that can be measured again with other errors.
+/// Measured poses that can be measured again with new errors.
 pub struct PoseTrials<'a> {
-    /// As they were measured.
+    /// The poses as measured.
     pub measured: MeasuredPoses<'a>,
     source: Source,
 }
 
-/// Where the errors of the poses come from.
+/// The source of the errors of the poses.
 enum Source {
     Lengths {
         trials: Box<Trials>,
         /// For each pose the group of the network.
         groups: Vec<usize>,
     },
-    /// Of each group of points the places of its errors, and the Cholesky factor of their covariance.
+    /// For each group of points the range of its errors, and the Cholesky factor of their covariance.
     Points(Vec<(Range<usize>, DMatrix<f64>)>),
 }
 
-/// Errors that the scale has of its own ([`Scale::change`]).
+/// Number of errors of the scale alone ([`Scale::change`]).
 const OF_SCALE: usize = 2;
 
 /// Storage of a trial.
 pub struct TrialWorkspace {
     lengths: Option<Workspace>,
-    /// The errors: one for each used length, mm, in measuring order, then one for all that is known of reflectors
-    /// and dead paths, in standard deviations; or x y z of each point, mm. Behind them those that the scale has of
-    /// its own, in standard deviations.
+    /// The errors: one for each used length, mm, in measuring order, then one for each known value of reflectors and
+    /// dead paths, in standard deviations; or x y z of each point, mm. Last those of the scale alone, in standard
+    /// deviations.
     pub errors: Vec<f64>,
 }
 
-/// What a trial measures.
+/// The results of a trial.
 pub struct Trial {
     /// The poses: datum from home.
     pub poses: Vec<Isometry3<f64>>,
@@ -56,7 +55,7 @@ pub struct Trial {
 }
 
 impl<'a> PoseTrials<'a> {
-    /// Gets ready for other errors.
+    /// Prepares trials of these poses.
     ///
     /// # Errors
     /// [`Error::Numerical`] if the points of a step have no positive covariance.
@@ -93,14 +92,13 @@ impl<'a> PoseTrials<'a> {
         Ok(Self { measured, source })
     }
 
-    /// The readings of the campaign whose lengths were used, in measuring order; none in a points
-    /// campaign.
+    /// The readings of the campaign whose lengths were used, in measuring order; empty for a points campaign.
     pub fn used_lengths(&self) -> &[usize] {
         let lengths = self.measured.lengths.as_ref();
         lengths.map_or(&[], |lengths| &lengths.screened.kept)
     }
 
-    /// Storage for trials, with errors zero.
+    /// Storage for trials, with zero errors.
     pub fn workspace(&self) -> TrialWorkspace {
         let (lengths, errors) = match &self.source {
             Source::Lengths { trials, .. } => (Some(trials.workspace()), trials.errors()),
@@ -128,13 +126,13 @@ impl<'a> PoseTrials<'a> {
         }
     }
 
-    /// What is measured with the errors of the workspace.
+    /// The results with the errors of the workspace.
     pub fn solve(&self, workspace: &mut TrialWorkspace) -> Trial {
         let TrialWorkspace { lengths, errors } = workspace;
         let (all, of_scale) = errors.split_at(errors.len() - OF_SCALE);
         let mut errors: Vec<&[f64]> = Vec::new();
         let mut stations = Vec::new();
-        // By how much the scale is shown too large.
+        // Relative error of the scale: how far lengths or coordinates are shown too large.
         let mut scale = self.measured.declared_scale() * of_scale[0];
         match (&self.source, lengths) {
             (Source::Lengths { trials, groups }, Some(lengths)) => {
@@ -167,8 +165,7 @@ impl<'a> PoseTrials<'a> {
         }
     }
 
-    /// The measured poses with errors: for each group the displacements of its points, or the twist of its
-    /// pose.
+    /// The measured poses with errors: the displacements of the points of each group, or the twists of the poses.
     fn moved(&self, errors: &[&[f64]]) -> Vec<Isometry3<f64>> {
         let poses = &self.measured.poses;
         if let Some((_, equations)) = &self.measured.points {

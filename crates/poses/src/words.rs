@@ -1,11 +1,11 @@
-//! Steps, targets and lengths in the words of the campaign.
+//! Steps, targets and lengths, described as in the campaign.
 
 use trueaxis_campaign::{Campaign, Lengths, Stop};
 use trueaxis_kinematics::AxisKind;
 
 use crate::Error;
 
-/// Targets of a stage that show all six component errors of an axis.
+/// Number of targets of a stage that shows all six component errors of an axis.
 pub const MIN_TARGETS: usize = 3;
 
 /// A step as `run x at X = 40 mm, Y = 0 mm`, or as `the bed`.
@@ -17,7 +17,7 @@ pub fn step_in_words(campaign: &Campaign, step: usize) -> String {
     let axes = campaign.machine.axes().iter().zip(&step.positions);
     let positions = axes.map(|(axis, &position)| match axis.kind() {
         AxisKind::Linear => format!("{} = {position} mm", axis.name()),
-        // Degrees as the file has them, without the rounding of the conversion.
+        // Degrees as in the file, without the rounding of the conversion.
         AxisKind::Rotary => {
             let degrees = (position.to_degrees() * 1e9).round() / 1e9;
             format!("{} = {degrees}°", axis.name())
@@ -56,7 +56,7 @@ pub(crate) fn stop_of(lengths: &Lengths, reading: usize) -> &Stop {
     &stops[stops.partition_point(|stop| stop.readings.end <= reading)]
 }
 
-/// `found` of the targets that the axis under test moves were measured at a step: less than three.
+/// The error if only `found` targets that the axis under test moves, fewer than three, were measured at a step.
 pub(crate) fn too_few_targets(campaign: &Campaign, step: usize, found: usize) -> Error {
     let axis = campaign.axis_under_test(step);
     let axis = axis.map_or("the axis", |axis| campaign.machine.axes()[axis].name());

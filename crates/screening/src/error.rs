@@ -1,4 +1,4 @@
-//! What keeps a network from being screened.
+//! Why a network cannot be screened.
 
 /// Lengths that cannot be screened. Indices refer to the [`Network`](trueaxis_multilateration::Network).
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -6,7 +6,7 @@ pub enum Error {
     /// The lengths cannot be adjusted.
     #[error(transparent)]
     Adjustment(#[from] trueaxis_multilateration::Error),
-    /// So many readings contradict the others that these prove nothing.
+    /// So many readings contradict the others that the others prove nothing.
     #[error(
         "{} of {readings} lengths contradict the others; more than {:.0} % are no accident",
         removed.len(),
@@ -20,10 +20,10 @@ pub enum Error {
         /// Share that may be removed.
         limit: f64,
     },
-    /// A station or a group would lose too many readings for the others to prove anything.
+    /// So many readings would leave a station or a group that the others prove nothing.
     #[error("{part:?} would lose {removed} of {readings} lengths, more than {limit:.2} of them")]
     PartLost {
-        /// What loses them.
+        /// The part that loses them.
         part: Part,
         /// Readings that would have to be removed.
         removed: usize,
@@ -32,13 +32,13 @@ pub enum Error {
         /// Share that may be removed.
         limit: f64,
     },
-    /// Readings of points contradict each other, and nothing tells which are wrong.
+    /// Readings of points contradict each other, and nothing shows which are wrong.
     #[error(
         "{} pair(s) of readings contradict each other, and nothing tells which is wrong: {pairs:?}",
         pairs.len()
     )]
     Undecidable {
-        /// For each point one reading, and another one that may be wrong as well.
+        /// For each point one reading, and another that may equally be wrong.
         pairs: Vec<(usize, usize)>,
     },
 }

@@ -9,10 +9,10 @@ use trueaxis_multilateration::{Error, Network, Noise, Solution, solve_with_noise
 pub struct NoiseEstimate {
     /// The noise with which the network was finally solved.
     pub noise: Noise,
-    /// Where it comes from.
+    /// The source of the estimate.
     pub basis: NoiseBasis,
-    /// Covariance of the relative errors of the two variances: of a length, of the return. Zero
-    /// where the given noise was kept.
+    /// Covariance of the relative errors of the variances of a length and of the repeatability. Zero where the given
+    /// noise was kept.
     pub relative_covariance: Matrix2<f64>,
     /// The constant part of a length's standard deviation.
     pub length: PartEstimate,
@@ -20,12 +20,12 @@ pub struct NoiseEstimate {
     pub repeatability: PartEstimate,
 }
 
-/// What the noise rests on.
+/// The source of an estimate of noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NoiseBasis {
     /// Too little redundancy: the given noise was kept.
     Given,
-    /// The lengths do not tell the two parts apart: the given noise times a common factor.
+    /// The lengths do not separate the two parts: the given noise times a common factor.
     CommonFactor,
     /// Both parts were estimated.
     Components,
@@ -40,43 +40,43 @@ pub struct PartEstimate {
     pub u_mm: f64,
     /// Degrees of freedom of its square; infinite where the given one was kept.
     pub degrees_of_freedom: f64,
-    /// Probability, on both sides, of an estimate as far from the given one if that is right; none
-    /// where there is nothing to compare.
+    /// Two-sided probability of an estimate as far from the given value if that is right; `None` where nothing can be
+    /// compared.
     pub p_value: Option<f64>,
 }
 
-/// Below this number of degrees of freedom a variance is not worth estimating if one is declared: its
-/// relative uncertainty would be above one half.
+/// With fewer degrees of freedom than this a declared variance is kept: the relative uncertainty of an estimate would
+/// be above one half.
 pub const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
 
-/// Significance at which few degrees of freedom, too, give up the declared noise.
+/// Significance at which the declared noise is given up even with few degrees of freedom.
 const REJECTED: f64 = 1e-3;
 
-/// Below this part of the machine's repeatability the noise of a length is not estimated.
+/// Least ratio of the noise of a length to the machine's repeatability at which both are estimated.
 const LEAST_LENGTH: f64 = 1e-3;
 
 /// No length is known better than this, mm: a nanometre.
 const ROUNDING_MM: f64 = 1e-6;
 
-/// Residuals this much smaller than declared come from no instrument but from a calculation.
+/// Residuals smaller than this share of the declared noise come from a calculation, not from an instrument.
 pub const TOO_GOOD: f64 = 0.01;
 
-/// Parts that the data tell apart less than this (`1 - ρ²` of their estimates) are scaled together.
+/// Parts that the data separate less than this (`1 - ρ²` of their estimates) get a common factor.
 pub const LEAST_SEPARATION: f64 = 0.01;
 
-/// Settled when no factor differs from one by more than this part of its own uncertainty.
+/// Settled when no factor differs from one by more than this share of its own uncertainty.
 const SETTLED: f64 = 0.02;
 
 const MAX_ITERATIONS: usize = 12;
 
-/// No step changes a variance by more, so that a bad start does not end at zero.
+/// No step changes a variance by a larger factor, so that a bad start does not end at zero.
 const LARGEST_STEP: f64 = 100.0;
 
-/// A variance this small beside its start is zero.
+/// A variance smaller than this share of its start is zero.
 const VANISHED: f64 = 1e-6;
 
-/// Estimates the noise of a solved network and solves it with that. `declared` says whether the
-/// network's noise is more than a guess: then it is kept where the data know less.
+/// Estimates the noise of a solved network and solves it again with the estimate. `declared` says whether the
+/// network's noise is more than a guess: then it is kept where the data show less.
 ///
 /// # Errors
 /// Those of [`solve`](trueaxis_multilateration::solve).
@@ -126,7 +126,7 @@ struct Weighted<'a> {
 }
 
 impl Weighted<'_> {
-    /// Solves it with another noise.
+    /// Solves the network with another noise.
     fn solve_with(&mut self, noise: Noise) -> Result<(), Error> {
         self.network.noise = noise;
         *self.solution = solve_with_noise(self.network, self.solution)?;
@@ -149,7 +149,7 @@ impl Weighted<'_> {
     }
 }
 
-/// A noise of which both parts are equally large.
+/// A noise with two equal parts.
 pub(crate) fn level(given: Noise) -> Noise {
     Noise {
         repeatability_mm: given.length_sigma_mm,
@@ -157,8 +157,8 @@ pub(crate) fn level(given: Noise) -> Noise {
     }
 }
 
-/// Improves both parts until they have settled; `None` if they do not, or if the lengths do not tell
-/// them apart there.
+/// Improves both parts until they have settled; `None` if they do not settle, or if the lengths do not separate them
+/// there.
 fn settle(adjusted: &mut Weighted<'_>, given: Noise) -> Result<Option<NoiseEstimate>, Error> {
     let start = adjusted.network.noise;
     for _ in 0..MAX_ITERATIONS {
@@ -169,7 +169,7 @@ fn settle(adjusted: &mut Weighted<'_>, given: Noise) -> Result<Option<NoiseEstim
         let settled = (0..2)
             .all(|k| (found.factors[k] - 1.0).abs() <= SETTLED * found.covariance[(k, k)].sqrt());
         if settled {
-            // A return that is small beside the lengths is known well enough when these are.
+            // Only the lengths must be known well: a repeatability that is small beside them needs no more.
             let worth = 2.0 / found.covariance[(0, 0)] >= LEAST_DEGREES_OF_FREEDOM;
             let noise = adjusted.network.noise;
             let settled = (worth && told_apart).then(|| estimated(noise, given, found.covariance));
@@ -180,7 +180,7 @@ fn settle(adjusted: &mut Weighted<'_>, given: Noise) -> Result<Option<NoiseEstim
             factor.clamp(1.0 / LARGEST_STEP, LARGEST_STEP).sqrt()
         };
         let mut noise = scaled(adjusted.network.noise, step(0), step(1));
-        // No interferometer is without noise of its own: so few lengths do not tell it.
+        // Every interferometer has some noise of its own, but the lengths are too few to show it.
         let least_mm = LEAST_LENGTH * noise.repeatability_mm;
         if noise.length_sigma_mm < least_mm {
             return Ok(None);
@@ -200,7 +200,7 @@ fn settle(adjusted: &mut Weighted<'_>, given: Noise) -> Result<Option<NoiseEstim
     Ok(None)
 }
 
-/// The machine returns exactly, as far as can be seen.
+/// The estimate where the machine returns exactly, as far as the lengths show.
 fn lengths_only(adjusted: &mut Weighted<'_>, given: Noise) -> Result<NoiseEstimate, Error> {
     let dof = adjusted.degrees_of_freedom();
     adjusted.solve_with(scaled(adjusted.network.noise, adjusted.sigma0(), 1.0))?;
@@ -212,7 +212,7 @@ fn lengths_only(adjusted: &mut Weighted<'_>, given: Noise) -> Result<NoiseEstima
     ))
 }
 
-/// Both parts with the ratio that was given.
+/// The estimate of both parts with the given ratio.
 fn common_factor(adjusted: &mut Weighted<'_>, given: Noise) -> Result<NoiseEstimate, Error> {
     let dof = adjusted.degrees_of_freedom();
     let sigma0 = adjusted.sigma0().max(ROUNDING_MM / given.length_sigma_mm);

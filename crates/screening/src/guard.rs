@@ -1,4 +1,4 @@
-//! How much may be removed before the measurement, and not the readings, is to blame.
+//! How many readings may be removed before the measurement itself is to blame.
 
 use trueaxis_multilateration::{MIN_STATIONS_PER_POINT, Network, ReadingTest, Visit};
 
@@ -12,8 +12,8 @@ pub const MOST_REMOVED: f64 = 0.05;
 /// Share of the readings of one station, of one group, or of any other part that may be removed.
 pub const MOST_OF_A_PART: f64 = 1.0 / 3.0;
 
-/// So many removals of one target from one station, and more than half of all, are no accident: there are at least twelve such
-/// pairs.
+/// So many removals of one target from one station, if more than half of all, are no accident: there are at least
+/// twelve such pairs.
 const FEW: usize = 10;
 
 /// Whether `part` removals, all of one target from one station, are too many of `all` to be accidents.
@@ -21,10 +21,10 @@ pub fn is_concentrated(part: usize, all: usize) -> bool {
     part >= FEW && 2 * part > all
 }
 
-/// A reading of which the residuals keep less than this part is not checked by the others.
+/// If the residuals keep less of a reading than this share, the others do not check it.
 const CHECKED: f64 = 0.02;
 
-/// Refuses removals that the measurement does not carry, and of more than this share of all readings.
+/// Refuses removals of more than `limit` of all readings, or of too many of one station or group.
 pub(crate) fn check(network: &Network, removed: &[Removed], limit: f64) -> Result<(), Error> {
     let readings = network.readings.len();
     if removed.len() as f64 > limit * readings as f64 {
@@ -34,7 +34,7 @@ pub(crate) fn check(network: &Network, removed: &[Removed], limit: f64) -> Resul
             limit,
         });
     }
-    // Of the stations, and behind them of the groups: readings that leave, and all.
+    // Removed and all readings of each station, then of each group.
     let stations = network.stations.len();
     let mut counts = vec![(0, 0); stations + network.groups.len()];
     let mut is_removed = vec![false; readings];
@@ -63,8 +63,8 @@ pub(crate) fn check(network: &Network, removed: &[Removed], limit: f64) -> Resul
     Ok(())
 }
 
-/// Readings of points that lost others, which nothing checks any more: each of them may be the wrong
-/// one as well as those that left, so they have to leave, too. The points of a body stand for each other.
+/// Readings that nothing checks since others of their point were removed: they may as well be the wrong ones, and
+/// have to leave, too. The points of a body check each other.
 ///
 /// # Errors
 /// [`Error::Undecidable`] if the point or body is then seen from too few stations.
@@ -107,7 +107,7 @@ pub(crate) fn unchecked(network: &Network, tests: &[ReadingTest]) -> Result<Vec<
     Ok(unchecked.into_iter().map(|(reading, _)| reading).collect())
 }
 
-/// The readings of a visit with the points that they see; for all points of a body its first one.
+/// The readings of a visit with their points; all points of a body count as its first one.
 fn points<'a>(network: &'a Network, visit: &'a Visit) -> impl Iterator<Item = (usize, usize)> + 'a {
     let readings = visit.readings.clone();
     let is_tied = network.body_of(visit.group).is_some();

@@ -1,12 +1,12 @@
-//! Whether a station's zero jumped, and nothing else.
+//! Whether the zero of a station jumped, or something else happened.
 //!
 //! A beam interruption changes all later lengths of a station's occupation by one constant. Other things
-//! raise the test of such a step, too: a drift (the zero or the tripod creeps), or a displacement of
-//! the station or the machine (the change depends on the direction of the beam). The occupation is split
-//! only if the step explains the lengths better than these do.
+//! raise the test of such a step, too: a drift (of the zero or the tripod), or a displacement of the station or the
+//! machine (the change depends on the direction of the beam). The occupation is split only if the step explains the
+//! lengths better than all of these.
 //!
-//! A zero or a tripod that wanders in a course that nobody knows, as a swing, raises it as well. Its course is a process
-//! with Matérn's covariance in half waves ([`trueaxis_leastsquares::matern_roots`]), its size by restricted maximum
+//! So does a zero or a tripod that wanders in an unknown smooth course, such as a swing. The course is a process with
+//! Matérn's covariance in half waves ([`trueaxis_leastsquares::matern_roots`]), its size by restricted maximum
 //! likelihood; the step must be needed beside it.
 
 use std::ops::Range;
@@ -19,25 +19,25 @@ use trueaxis_multilateration::{Network, Solution, Visit, Whitened};
 
 use crate::step_tests::StepTest;
 
-/// What a step must be ahead of other explanations, as a difference of squares of standardised
-/// sizes: a likelihood ratio of e⁵.
+/// Lead of a step over other explanations that is needed, as a difference of squares of standardised sizes: a
+/// likelihood ratio of e⁵.
 const AHEAD: f64 = 10.0;
 
-/// A displacement has three parameters for the step's one; by chance alone its square is larger by
-/// this at most (chi-squared with two degrees of freedom, one in e⁵).
+/// A displacement has three parameters, the step one; by chance alone its square is larger by at most this
+/// (chi-squared with two degrees of freedom, one in e⁵).
 const DISPLACEMENT_CHANCE: f64 = 10.0;
 
-/// Parts of an occupation after which a zero or a tripod that settles has come to rest by 63 %.
+/// Time constants of a zero or a tripod that settles, as parts of the occupation.
 const SETTLED_AFTER: [f64; 4] = [0.03, 0.08, 0.2, 0.5];
 
-/// Correlation lengths of what wanders, as parts of the occupation, and its half waves.
+/// Correlation lengths of a wandering course, as parts of the occupation, and its number of half waves.
 const WANDER_LENGTHS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 const WAVES: u32 = 12;
 
-/// Sizes that are tried, quarters of powers of ten of the variance that the lengths can just see.
+/// Exponents of the sizes tried: quarter powers of ten, times the variance that the lengths can just see.
 const SIZES: Range<i32> = -8..41;
 
-/// A step and what else may explain it: by how much each of them lets the sum of squares fall, in variances of w.
+/// A step and its rival explanations: how far each lowers the sum of squares, in variances of w.
 pub(crate) struct Rivals<'a> {
     step: &'a StepTest,
     rows: &'a Whitened,
@@ -45,16 +45,16 @@ pub(crate) struct Rivals<'a> {
     spread: f64,
     /// The readings of the step's zero.
     occupation: Vec<usize>,
-    /// The directions in which these are taken.
+    /// The directions of the beams of these readings.
     beams: Vec<Vector3<f64>>,
-    /// Visits of the occupation: instants at which the step was sought.
+    /// Visits of the occupation: the instants at which the step was sought.
     instants: usize,
-    /// From the first of these visits to the last, and the readings of all that are between.
+    /// All visits from the first of the occupation to its last, and their readings.
     visits: Range<usize>,
     readings: Range<usize>,
 }
 
-/// What a step is certainly not.
+/// Explanations of a step that are certainly wrong.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Excluded {
     /// A displacement of the station.
@@ -114,24 +114,24 @@ impl<'a> Rivals<'a> {
         }
     }
 
-    /// Whether the step is that of an interrupted beam, or of what cannot be told from it.
-    /// `cuts_what_wanders`: whether what wanders counts as one, too.
+    /// Whether the step is that of an interrupted beam, or of something that cannot be distinguished. With
+    /// `cuts_what_wanders` a wandering course counts as one, too.
     pub(crate) fn is_interruption(&self, cuts_what_wanders: bool) -> bool {
         let step = self.step();
-        // What costs most is asked last.
+        // The most costly test comes last.
         step > self.drift() + AHEAD
             && step > self.displacement().max(self.settles(Mover::Station)) - DISPLACEMENT_CHANCE
             && (cuts_what_wanders || self.wandering_mm().is_none())
     }
 
-    /// Rms of the zero if it wanders, mm; none if the step is needed beside a zero or a station that does.
+    /// Rms of the zero if it wanders, mm; `None` if the step is needed beside a zero or a station that wanders.
     pub(crate) fn wandering_mm(&self) -> Option<f64> {
         let (explained, rms_mm) = self.beside_wander();
         (explained <= AHEAD).then_some(rms_mm)
     }
 
-    /// What explains clearly less than the step: a displacement at that instant; what wanders, even after the step was
-    /// sought at all instants, since the largest of n squares exceeds a single one by 2 ln n.
+    /// Excludes what explains clearly less than the step: a displacement at its instant; a wandering course, even
+    /// though the step was sought at all instants (the largest of n squares exceeds a single one by 2 ln n).
     pub(crate) fn excluded(&self) -> Excluded {
         let sought = 2.0 * (self.instants.max(1) as f64).ln();
         Excluded {
@@ -140,18 +140,18 @@ impl<'a> Rivals<'a> {
         }
     }
 
-    /// The step itself.
+    /// Drop of the sum of squares by the step, in variances of w; so for the following functions.
     fn step(&self) -> f64 {
         (self.step.w / self.spread).powi(2)
     }
 
-    /// A zero that drifts or settles, whichever is best.
+    /// The better of a zero that drifts and one that settles.
     fn drift(&self) -> f64 {
         let linear = self.squares(Mover::Zero, |k| self.progress(k));
         linear.max(self.settles(Mover::Zero))
     }
 
-    /// What settles, with the best of its time constants.
+    /// A mover that settles, with the best time constant.
     fn settles(&self, mover: Mover) -> f64 {
         let after = SETTLED_AFTER.iter();
         let squares =
@@ -159,12 +159,12 @@ impl<'a> Rivals<'a> {
         after.map(squares).fold(0.0, f64::max)
     }
 
-    /// A station that is displaced at the instant of the step.
+    /// A displacement of the station at the instant of the step.
     fn displacement(&self) -> f64 {
         self.squares(Mover::Station, |k| self.jumps(k))
     }
 
-    /// What the step explains beside a zero or a station that wanders, and the rms of the zero if it does, mm.
+    /// What the step explains beside a zero or a station that wanders, and the rms of a zero that wanders alone, mm.
     fn beside_wander(&self) -> (f64, f64) {
         let places = 0..self.occupation.len();
         let waves: Vec<Vec<f64>> = places
@@ -178,7 +178,7 @@ impl<'a> Rivals<'a> {
             let (left, right) = self.normal_equations(&columns);
             let (of_waves, along) = (left.view((0, 0), (n, n)), right.rows(0, n));
             let alone = wander(&of_waves.into_owned(), &along.into_owned(), self.spread);
-            // What the step explains of the waves is free.
+            // The step is free: take what it explains out of the waves.
             let (own, of_step) = (left.column(n).rows(0, n) / left[(n, n)], right[n]);
             let of_waves = of_waves - &own * left.view((n, 0), (1, n));
             let beside = wander(&of_waves, &(along - own * of_step), self.spread);
@@ -188,7 +188,7 @@ impl<'a> Rivals<'a> {
         (of_zero.0.min(of_station.0) + self.step(), of_zero.1)
     }
 
-    /// How much of the occupation has passed at its reading `k`, 0 to 1.
+    /// The part of the occupation that has passed at its reading `k`, 0 to 1.
     fn progress(&self, k: usize) -> f64 {
         k as f64 / (self.occupation.len().max(2) as f64 - 1.0)
     }
@@ -225,8 +225,8 @@ impl<'a> Rivals<'a> {
         columns
     }
 
-    /// By how much the sum of squares falls if errors of the form of these columns are allowed for: `bᵀ A⁺ b` with
-    /// `A = XᵀMX` and `b = Xᵀv` of the whitened columns.
+    /// Drop of the sum of squares by errors of the form of these columns: `bᵀ A⁺ b` with `A = XᵀMX` and `b = Xᵀv` of
+    /// the whitened columns.
     fn explained(&self, columns: &[Vec<f64>]) -> f64 {
         let (left, right) = self.normal_equations(columns);
         let limit = ABSORBED * left.amax();
@@ -256,20 +256,20 @@ impl<'a> Rivals<'a> {
     }
 }
 
-/// A direction that the adjustment absorbs explains nothing, below this part of the largest one.
+/// Directions with less than this share of the largest eigenvalue are absorbed by the adjustment and explain nothing.
 const ABSORBED: f64 = 1e-9;
 
-/// What wanders.
+/// A wandering course.
 #[derive(Clone, Copy, Default)]
 struct Wander {
-    /// Twice the logarithm of the likelihood ratio against nothing that wanders.
+    /// Twice the logarithm of the likelihood ratio against no wandering.
     ratio: f64,
     /// Rms of its course, mm.
     rms_mm: f64,
 }
 
-/// The most likely process in half waves, of the normal equations of its columns: wave after wave, each with one for each
-/// coordinate.
+/// The most likely wandering course from the normal equations of its columns, wave after wave, with one column for
+/// each coordinate.
 fn wander(left: &DMatrix<f64>, right: &DVector<f64>, spread: f64) -> Wander {
     let n = right.len();
     let coordinates = n / WAVES as usize;

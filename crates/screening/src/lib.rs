@@ -7,19 +7,19 @@
 //! w = cᵀC⁻¹v / √(cᵀC⁻¹ Q_v C⁻¹c)
 //! ```
 //!
-//! `c` is a single length, all lengths of a visit, or all lengths of a station from an instant on: there its beam was
+//! `c` is a single length, all lengths of a visit, or all lengths of a station from an instant on, when its beam was
 //! interrupted and found again with another zero.
 //!
 //! Noun in: a [`Network`]; noun out: a [`Screened`] network with its solution, the lengths that were removed, the
 //! jumps of zeros, and the noise that the residuals show ([`estimate_noise`]). [`Screened::tests`] says how far
 //! the lengths check each other. Lengths are mm; indices are those of the network that came in.
 //!
-//! The adjustment is that of [`trueaxis_multilateration`]. Screening uses only these quantities of the solution: the tests of
-//! all readings and visits ([`Solution::tests`]), the whitened rows of the hat matrix ([`Whitened`]), of which the tests of
-//! steps are made, and one step towards the variance components ([`Solution::variance_components`]). What follows from
-//! them is decided here. A rejected reading stays in the network with its variance inflated so far
-//! ([`Network::variance_factors`]) that it has no influence, and can come back; an interruption gives its station one dead
-//! path more ([`Network::interruptions`]); the network is then solved again near its last solution.
+//! The adjustment is that of [`trueaxis_multilateration`]. Screening uses only these quantities of its solution: the
+//! tests of all readings and visits ([`Solution::tests`]), the whitened rows of the hat matrix ([`Whitened`]), from
+//! which steps are tested, and one step towards the variance components ([`Solution::variance_components`]). A
+//! rejected reading stays in the network with its variance inflated so far ([`Network::variance_factors`]) that it
+//! has no influence, and can come back; an interruption gives its station one more dead path
+//! ([`Network::interruptions`]). The network is then solved again near its last solution.
 //!
 #![doc = "```"]
 #![doc = include_str!("../examples/screen.rs")]
@@ -27,8 +27,8 @@
 //!
 //! # What it does not do
 //!
-//! It does not say why a length is wrong, and knows nothing of machines or campaigns. What wanders is found
-//! ([`Screened::wandering`]) but not taken out.
+//! It does not say why a length is wrong, and knows nothing of machines or campaigns. Zeros that wander are found
+//! ([`Screened::wandering`]) but not corrected.
 //!
 //! [`Network`]: trueaxis_multilateration::Network
 //! [`Network::variance_factors`]: trueaxis_multilateration::Network::variance_factors

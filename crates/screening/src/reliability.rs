@@ -1,4 +1,4 @@
-//! Internal reliability: which error of a length would be noticed.
+//! Internal reliability: which error of a length would be found.
 //!
 //! Baarda's test finds an error `∇` with the power `1 - β` at the level `α` if it is at least
 //!
@@ -6,16 +6,15 @@
 //! ∇₀ = (z_{1-α/2} + z_{1-β}) σ_∇
 //! ```
 //!
-//! with the standard deviation `σ_∇` of its estimate. The level is that of the screening
-//! ([`crate::screen`]): the limit that all lengths together pass by chance in one of a hundred
-//! campaigns.
+//! with the standard deviation `σ_∇` of its estimate. The level is that of the screening ([`crate::screen`]): by
+//! chance the largest of all lengths exceeds the limit in one of a hundred campaigns.
 
 use trueaxis_leastsquares::chi_squared_quantile;
 
 use crate::screened::Screened;
 use crate::search::reading_limit;
 
-/// The power for which a minimal detectable error is given, by convention.
+/// The conventional power of a minimal detectable error.
 const POWER: f64 = 0.8;
 
 impl Screened {

@@ -1,10 +1,9 @@
 //! Weights that keep gross errors from bending the adjustment.
 //!
-//! A reading's weight follows from its distance `t` to what the others predict, in units of the
-//! spread that most readings show, by Welsch's redescending rule `exp(-(t/c)²)`: far readings lose
-//! all pull. While steps in the zeros of stations are still to be found, `t` is the distance to the
-//! median of the readings before and after it: a lost count shifts its neighbours as well and keeps its
-//! weight, a gross error stands alone and loses it.
+//! A reading's weight follows from its distance `t` from what the others predict, in units of the spread that most
+//! readings show, by Welsch's redescending rule `exp(-(t/c)²)`: far readings lose all pull. While steps in the zeros
+//! of stations are still sought, `t` is the distance from the median of the readings around it: a lost count shifts
+//! the neighbours as well and keeps its weight, a gross error stands alone and loses it.
 
 use trueaxis_leastsquares::median;
 use trueaxis_multilateration::ReadingTest;
@@ -12,14 +11,14 @@ use trueaxis_multilateration::ReadingTest;
 /// Median of |w| for standard normal w.
 const NORMAL_MEDIAN: f64 = 0.674_489_750_196_081_7;
 
-/// Welsch's tuning: 95 % efficiency for normal noise. The final adjustment is fully weighted.
+/// Welsch's constant for 95 % efficiency with normal noise. The final adjustment is fully weighted.
 const WELSCH: f64 = 2.985;
 
-/// Readings of a zero before and after one whose median it is compared with.
+/// Readings of a zero before and after one, with which the median for its comparison is taken.
 const NEIGHBOURS: usize = 6;
 
-/// The factor on the variance of a reading that has left the adjustment: it pulls by a hundred
-/// millionth of its error, while its own test keeps eight digits.
+/// The factor on the variance of a removed reading: it pulls by a hundred millionth of its error, while its own test
+/// keeps eight digits.
 pub(crate) const REMOVED: f64 = 1e8;
 
 /// Standard deviation of w that most readings show: 1 if the noise is as declared.
@@ -31,7 +30,7 @@ pub(crate) fn spread(tests: &[ReadingTest], factors: &[f64]) -> f64 {
     median(&mut sizes).map_or(1.0, |median| median / NORMAL_MEDIAN)
 }
 
-/// Variance factor of a reading at distance `t`, in widths of the weights.
+/// Variance factor of a reading at distance `t`, in units of the width.
 pub(crate) fn welsch(t: f64) -> f64 {
     (t / WELSCH).powi(2).exp().min(REMOVED)
 }

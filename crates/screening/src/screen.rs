@@ -2,18 +2,15 @@
 //!
 //! In turn:
 //!
-//! 1. Lengths far from what the nominal positions let expect leave before the first adjustment.
-//! 2. Redescending weights let go of lengths that stand out from their neighbours in time. In what is
-//!    left, steps in the zero of a station are sought; a step that nothing else explains as well
-//!    splits the station's occupation.
-//! 3. Redescending weights let go of all far lengths.
-//! 4. Data snooping (Baarda): the length whose test is largest leaves its group, the one that fits
-//!    again comes back, one in a group at a time, until nothing changes. The level is that of all
-//!    tests together.
-//! 5. Lengths that nothing checks beside one that left have to leave, too.
-//! 6. The noise is estimated from what is left; if the tests look different with it, 2 to 5 are
-//!    repeated.
-//! 7. A clean adjustment of the lengths that are left, all with full weight.
+//! 1. Lengths far from what the nominal positions predict leave before the first adjustment.
+//! 2. Redescending weights release lengths that stand out from their neighbours in time. Among the rest, steps in the
+//!    zero of a station are sought; a step that nothing else explains as well splits the station's occupation.
+//! 3. Redescending weights release all far lengths.
+//! 4. Data snooping (Baarda): in each group the length with the largest test leaves, or else the one that fits again
+//!    comes back, one at a time, until nothing changes. The level is that of all tests together.
+//! 5. Lengths that nothing checks without those that left have to leave, too.
+//! 6. The noise is estimated from the rest; if the tests ask for changes with it, 2 to 5 are repeated.
+//! 7. A final adjustment of the remaining lengths, all with full weight.
 //!
 //! A campaign without gross errors passes after one adjustment and its tests.
 
@@ -25,27 +22,27 @@ use crate::guard::MOST_REMOVED;
 use crate::screened::Screened;
 use crate::search::Search;
 
-/// Repeatability beside the noise of a length, where it is guessed to be the larger part.
+/// Ratio of the repeatability to the noise of a length where the repeatability is guessed to be the larger part.
 const MUCH_LARGER: f64 = 10.0;
 
-/// A larger repeatability is to be declared, mm: what makes a machine look like that is rather a mistake.
+/// A larger repeatability must be declared, mm: otherwise a mistake is more likely.
 const MOST_RETURN_MM: f64 = 0.01;
 
-/// Estimates of the noise, each followed by another look at the tests.
+/// Most estimates of the noise, each followed by new tests.
 const MAX_NOISE_UPDATES: usize = 5;
 
 /// Solves a network without its gross errors. `declared` says whether its noise is more than a
 /// guess.
 ///
 /// # Errors
-/// Those of the adjustment; [`Error::TooManyGrossErrors`], [`Error::PartLost`] and
-/// [`Error::Undecidable`] if too much would have to be removed or nothing tells what.
+/// Those of the adjustment; [`Error::TooManyGrossErrors`], [`Error::PartLost`] and [`Error::Undecidable`] if too much
+/// would have to be removed or nothing shows which.
 pub fn screen(network: &Network, declared: bool) -> Result<Screened, Error> {
     screen_within(network, declared, MOST_REMOVED)
 }
 
-/// As [`screen`], where no more than a share `most_removed` of the readings may leave: a search that would take more away is
-/// given up early.
+/// As [`screen`], where at most the share `most_removed` of the readings may leave: a search that would remove more
+/// is given up early.
 ///
 /// # Errors
 /// Those of [`screen`].
@@ -57,7 +54,7 @@ pub fn screen_within(
     let tried = |noise: Noise| {
         let work = || Search::new(network, noise, declared, most_removed);
         match screen_by(network, work()?) {
-            // A zero that wanders far looks like many gross errors; cut in pieces it may be bearable.
+            // A zero that wanders far looks like many gross errors; cut into pieces it may be acceptable.
             Err(error) if error.is_contradiction() => {
                 let mut work = work()?;
                 work.cuts_what_wanders = true;
@@ -69,7 +66,7 @@ pub fn screen_within(
     if declared {
         return tried(network.noise);
     }
-    // A guess allows for a machine that does not return exactly: lengths of a visit that are off together are then no gross errors.
+    // The guess covers bad returns: lengths of a visit that are off together are then no gross errors.
     let alike = level(network.noise);
     let returns_badly = Noise {
         repeatability_mm: MUCH_LARGER * alike.repeatability_mm,
@@ -83,7 +80,7 @@ pub fn screen_within(
     }
 }
 
-/// Whether a machine may return so badly without being told.
+/// Whether an undeclared repeatability may be as large as that.
 fn returns(screened: &Screened) -> bool {
     screened.noise.repeatability.sigma_mm < MOST_RETURN_MM
 }

@@ -1,4 +1,4 @@
-//! What screening leaves of a network, and what it took away.
+//! The result of screening a network, and what was removed.
 
 use std::sync::Arc;
 
@@ -12,12 +12,12 @@ use crate::estimate_noise::{NoiseEstimate, estimate_noise};
 pub struct Screened {
     /// The lengths that were kept, with the interruptions found and the estimated noise.
     pub network: Network,
-    /// Its solution; the search shares it while it lasts.
+    /// Its solution; the search may still share it.
     pub solution: Arc<Solution>,
     /// The estimated noise.
     pub noise: NoiseEstimate,
-    /// Sum of squares of the whitened residuals with the given noise: chi-squared with the degrees of
-    /// freedom of the solution if that is right.
+    /// Sum of squares of the whitened residuals with the given noise: chi-squared with the degrees of freedom of the
+    /// solution if that noise is right.
     pub given_squares: f64,
     /// For each reading of the network the reading of the original one.
     pub kept: Vec<usize>,
@@ -25,11 +25,11 @@ pub struct Screened {
     pub removed: Vec<Removed>,
     /// The jumps found in the zeros of stations, in measuring order.
     pub jumps: Vec<Jump>,
-    /// The zeros that wander in a course that is no jump.
+    /// The zeros that wander in a smooth course instead of jumping.
     pub wandering: Vec<WanderingZero>,
     /// Whether the search came to an end. If not, tests still ask for changes.
     pub settled: bool,
-    /// The tests at the solution, where the search has made them ([`Screened::tests`]).
+    /// The tests at the solution, if the search made them ([`Screened::tests`]).
     pub tests: Option<Arc<Tests>>,
 }
 
@@ -38,12 +38,12 @@ pub struct Screened {
 pub struct Removed {
     /// The reading in the original network.
     pub reading: usize,
-    /// Its estimated error, observed minus right, mm.
+    /// Its estimated error, observed minus true, mm.
     pub error_mm: f64,
-    /// Standard uncertainty of that, mm.
+    /// Standard uncertainty of the error, mm.
     pub u_mm: f64,
-    /// It does not contradict the others, but nothing checks it beside a reading of the same point that
-    /// does.
+    /// The reading itself does not contradict the others, but nothing checks it since a reading of the same point was
+    /// removed.
     pub unchecked: bool,
 }
 
@@ -52,19 +52,19 @@ pub struct Removed {
 pub struct Jump {
     /// The station.
     pub station: usize,
-    /// First reading after it, in the original network.
+    /// First reading after the jump, in the original network.
     pub first_reading: usize,
     /// By how much the lengths changed, mm.
     pub change_mm: f64,
-    /// Standard uncertainty of that, mm.
+    /// Standard uncertainty of the change, mm.
     pub u_mm: f64,
-    /// A displacement of the station explains it as well as a jump of its zero.
+    /// A displacement of the station explains the jump as well.
     pub tripod_may_have_moved: bool,
-    /// A zero or a tripod that wanders in a smooth course explains it nearly as well.
+    /// A zero or a tripod that wanders explains the jump nearly as well.
     pub may_wander: bool,
 }
 
-/// A station's zero that wanders smoothly. A tripod that sways does nearly the same to the lengths.
+/// A station's zero that wanders smoothly. A swaying tripod changes the lengths in nearly the same way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WanderingZero {
     /// The station.
@@ -74,7 +74,7 @@ pub struct WanderingZero {
 }
 
 impl Screened {
-    /// All readings with full weight in one adjustment, and the noise that they show.
+    /// One adjustment of all readings with full weight, and the noise that they show.
     ///
     /// # Errors
     /// Those of the adjustment.
@@ -83,8 +83,8 @@ impl Screened {
         Self::adjusted(network.clone(), kept, declared)
     }
 
-    /// The same readings in other groups: those that `found` kept, occupations split where it splits them. Nothing is sought
-    /// again; the noise is what this network shows.
+    /// The same readings in other groups: those that `found` kept, with occupations split as there. Nothing is sought
+    /// again; the noise is estimated from this network.
     ///
     /// # Errors
     /// Those of the adjustment.
@@ -121,7 +121,7 @@ impl Screened {
         })
     }
 
-    /// The tests of every reading and visit of the network: how far the others check each.
+    /// The tests of every reading and visit of the network.
     pub fn tests(&self) -> Arc<Tests> {
         let made = self.tests.clone();
         made.unwrap_or_else(|| Arc::new(self.solution.tests(&self.network)))

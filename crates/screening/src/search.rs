@@ -24,28 +24,28 @@ use crate::{Error, guard};
 /// Probability that a network without gross errors loses any reading.
 const READINGS_LEVEL: f64 = 0.01;
 
-/// Asymptotic efficiency of the median as a spread, beside the standard deviation.
+/// Asymptotic efficiency of the median as an estimate of the spread, against the standard deviation.
 const MEDIAN_EFFICIENCY: f64 = 0.37;
 
-/// Calculated lengths have residuals of rounding, whose tails have no meaning.
+/// Least spread: calculated lengths have residuals of rounding, whose tails have no meaning.
 const LEAST_SPREAD: f64 = 0.05;
 
-/// Readings that may be far off at the start before the nominal positions are to blame.
+/// Share of readings that may be far off at the start before the nominal positions are to blame.
 const MOST_FAR: f64 = 0.05;
 
-/// Solutions at the final width.
+/// Solutions at the final width of the weights.
 const WELSCH_ITERATIONS: usize = 3;
 
-/// Rounds of weights, or of snooping, after which a search that has not ended does not.
+/// Rounds of weights, or of snooping, after which a search counts as not settling.
 const MAX_ROUNDS: usize = 60;
 
-/// Solutions in a row that do not reach the minimum before the search ends: their tests have no meaning.
+/// Consecutive solutions that do not converge before the search ends: their tests have no meaning.
 const MOST_LOST: usize = 3;
 
-/// The search is given up when more than this many times the allowed share of the readings have left: some would come back.
+/// The search is given up when more than this many times the allowed share have left: some may still come back.
 const HOPELESS: f64 = 1.5;
 
-/// A reading whose variance has grown by more plays no part.
+/// A reading whose variance is inflated by more than this has no influence.
 const WEIGHTLESS: f64 = 100.0;
 
 /// The limit of a reading's |w| if the noise is known.
@@ -53,8 +53,7 @@ pub(crate) fn reading_limit(readings: usize) -> f64 {
     critical(READINGS_LEVEL, readings, f64::INFINITY)
 }
 
-/// The limit of |w| at which the level of all tests together is `level`; `degrees_of_freedom` are
-/// those of the spread.
+/// The limit of |w| at which all tests together have the level `level`; `degrees_of_freedom` are those of the spread.
 fn critical(level: f64, tests: usize, degrees_of_freedom: f64) -> f64 {
     student_two_sided(level / tests.max(1) as f64, degrees_of_freedom)
 }
@@ -63,11 +62,11 @@ fn critical(level: f64, tests: usize, degrees_of_freedom: f64) -> f64 {
 pub(crate) struct Search {
     network: Network,
     solution: Option<Arc<Solution>>,
-    /// Where the first solution starts.
+    /// The start of the first solution.
     start: Option<Start>,
-    /// The tests at the solution, once they were asked for.
+    /// The tests at the solution, once they were needed.
     tests: Option<Arc<Tests>>,
-    /// The largest step of each zero there, once they were sought.
+    /// The largest step of each zero at the solution, once it was sought.
     largest_steps: Option<Vec<StepTest>>,
     /// Whether the network's noise is more than a guess.
     declared: bool,
@@ -75,24 +74,24 @@ pub(crate) struct Search {
     most_removed: f64,
     /// Readings that were far off at the start, and by how much (mm).
     far: Vec<(usize, f64)>,
-    /// Readings that left because nothing checks them beside a wrong one: they do not come back.
+    /// Readings that left because nothing checks them without a wrong one: they do not come back.
     unchecked: Vec<bool>,
-    /// So many steps were found that they are none: something else changes with time.
+    /// So many steps were found that something else changes with time: no occupation is split.
     never_split: bool,
-    /// Whether occupations are split where a zero or a tripod wanders, too.
+    /// Whether occupations are also split where a zero or a tripod wanders.
     pub(crate) cuts_what_wanders: bool,
-    /// What the interruptions certainly are not.
+    /// Explanations of the interruptions that are certainly wrong.
     excluded: Vec<(Interruption, Excluded)>,
     /// Whether the snooping came to an end.
     settled: bool,
-    /// Solutions in a row that did not reach the minimum.
+    /// Consecutive solutions that did not converge.
     lost: usize,
-    /// Once the network's noise is estimated, so that w has unit variance, its degrees of freedom.
+    /// Degrees of freedom of the network's noise once it is estimated; w then has unit variance.
     noise_known: Option<f64>,
 }
 
 impl Search {
-    /// Work on a copy of `network` with this noise at first; readings that are far off at the start have left already.
+    /// A search in a copy of `network` with this noise; readings that are far off at the start have left already.
     pub(crate) fn new(
         network: &Network,
         noise: Noise,
@@ -132,8 +131,8 @@ impl Search {
         })
     }
 
-    /// From now on the tests use this noise. A part with few degrees of freedom is small beside the
-    /// other one, which then counts.
+    /// From now on the tests use this noise, with the larger degrees of freedom: a part with few is small beside the
+    /// other.
     fn noise_is_known(&mut self, noise: &NoiseEstimate) {
         self.network.noise = noise.noise;
         let (length, repeatability) = (noise.length, noise.repeatability);
@@ -159,14 +158,14 @@ impl Search {
     /// Solves again from the solution of a similar network.
     fn solve_near(&mut self, near: &Solution) -> Result<(), Error> {
         let solution = solve_from(&self.network, near);
-        // With all lengths at full weight it could be solved: what is left is too little.
+        // The network with all lengths at full weight could be solved: too little is left.
         self.take(Arc::new(
             solution.map_err(|error| self.nothing_left(error))?,
         ));
         Ok(())
     }
 
-    /// Goes on from the clean adjustment with the noise that was estimated in it.
+    /// Continues from the final adjustment with the noise estimated in it.
     pub(crate) fn go_on_from(&mut self, screened: &Screened) -> Result<(), Error> {
         self.noise_is_known(&screened.noise);
         if self.is_whole(&screened.network) && screened.solution.termination.is_converged() {
@@ -176,7 +175,7 @@ impl Search {
         self.solve_near(&screened.solution)
     }
 
-    /// Whether the work has all lengths with full weight, so that it is the adjustment of `clean`.
+    /// Whether the search has all lengths at full weight, and so the adjustment of `clean`.
     fn is_whole(&self, clean: &Network) -> bool {
         self.network.noise == clean.noise
             && self.network.interruptions == clean.interruptions
@@ -202,7 +201,7 @@ impl Search {
         self.lost >= MOST_LOST
     }
 
-    /// A reading may be so wrong that even without weight it drives the adjustment away.
+    /// The error, or that one reading is so wrong that even without weight it drove the adjustment away.
     fn driven_away(&self, error: multilateration::Error) -> multilateration::Error {
         match error {
             multilateration::Error::StationsNotDetermined { .. } => {
@@ -212,7 +211,7 @@ impl Search {
         }
     }
 
-    /// That the reading that was farthest off at the start drove the adjustment away, if one was far.
+    /// That the reading farthest off at the start drove the adjustment away, if any was far.
     fn ran_away(&self) -> Option<multilateration::Error> {
         let farthest = self.far.iter().max_by(|a, b| a.1.total_cmp(&b.1));
         farthest.map(|&(reading, residual_mm)| multilateration::Error::RanAway {
@@ -221,8 +220,8 @@ impl Search {
         })
     }
 
-    /// So many readings have lost their weight that the others do not determine the network; if none
-    /// has, one that was far off did it.
+    /// That so many readings have lost their weight that the others do not determine the network; if none has, that
+    /// one that was far off drove the adjustment away.
     fn nothing_left(&self, error: multilateration::Error) -> Error {
         match self.too_many(0.0) {
             Err(too_many) => too_many,
@@ -230,7 +229,7 @@ impl Search {
         }
     }
 
-    /// That more than this share of the readings has lost its weight.
+    /// Refuses that more than this share of the readings has lost its weight.
     fn too_many(&self, share: f64) -> Result<(), Error> {
         let readings = self.network.readings.len();
         let factors = self.network.variance_factors.iter().enumerate();
@@ -256,14 +255,14 @@ impl Search {
         let tests = Arc::clone(self.tests.get_or_insert_with(new));
         let spread = match (self.noise_known, self.declared) {
             (Some(_), _) => 1.0,
-            // With few lengths the median may be small by chance; what is declared is not.
+            // With few lengths the median may be small by chance: the declared noise is the least.
             (None, true) => self.spread(&tests.readings).max(1.0),
             (None, false) => self.spread(&tests.readings),
         };
         Ok((tests, spread))
     }
 
-    /// The tests at a solution, if it is the present one and was tested.
+    /// The tests at a solution, if it is the present one and has been tested.
     pub(crate) fn tests_at(&self, solution: &Arc<Solution>) -> Option<Arc<Tests>> {
         let present = self.solution.as_ref()?;
         self.tests
@@ -275,8 +274,8 @@ impl Search {
         spread(tests, &self.network.variance_factors).max(LEAST_SPREAD)
     }
 
-    /// The limit of |w| in spreads. The spread has the degrees of freedom of the noise; the median, which
-    /// gives it before that is estimated, is worth a third of them.
+    /// The limit of |w| in spreads. The spread has the degrees of freedom of the estimated noise; before there is
+    /// one, it is a median, worth a third of the redundancy, unless the noise is declared.
     fn limit(&self, level: f64) -> f64 {
         let redundancy = self
             .solution
@@ -325,7 +324,7 @@ impl Search {
             self.place_interruptions()?;
             self.snoop()?;
         }
-        // What is not significant in the end was none, and is not sought again.
+        // Splits that are not significant in the end are undone and not sought again.
         let never_split = std::mem::replace(&mut self.never_split, true);
         loop {
             let (_, spread) = self.tests()?;
@@ -340,7 +339,7 @@ impl Search {
         self.drop_unchecked()
     }
 
-    /// Lets go of readings that nothing checks beside a wrong one.
+    /// Removes readings that nothing checks since a wrong one left.
     fn drop_unchecked(&mut self) -> Result<(), Error> {
         let removed = self.removed()?;
         guard::check(&self.network, &removed, self.most_removed)?;

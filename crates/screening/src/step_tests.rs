@@ -1,4 +1,4 @@
-//! Tests of steps in a station's zero (Baarda's w, as of a reading: [`trueaxis_multilateration::Tests`]).
+//! Tests of steps in a station's zero (Baarda's w, as for a reading: [`trueaxis_multilateration::Tests`]).
 //!
 //! A step is an equal error in all readings of a zero from an instant on: the sum `c = Σ e_i` of their unit
 //! errors. With the whitened rows `O`, `T` of the hat matrix ([`Whitened`]) and the whitened `c`,
@@ -7,7 +7,7 @@
 //! w = cᵀv / √(cᵀc - Σ_groups |Oᵀ c|² - (Tᵀc)ᵀ Σ Tᵀc)
 //! ```
 //!
-//! and all sums grow reading by reading.
+//! and all sums accumulate reading by reading.
 
 use nalgebra::{DMatrix, DMatrixView};
 use rayon::prelude::*;
@@ -21,17 +21,17 @@ pub(crate) struct StepTest {
     pub(crate) station: usize,
     /// First reading after the step.
     pub(crate) first_reading: usize,
-    /// Readings of the same zero before it, and from it on.
+    /// Readings of the same zero before the step, and after it.
     pub(crate) before: usize,
     pub(crate) after: usize,
     /// Standardised size of the step.
     pub(crate) w: f64,
 }
 
-/// Steps whose part through the shared unknowns is calculated at a time.
+/// Steps whose part through the shared unknowns is computed together.
 const STEPS: usize = 32;
 
-/// For every zero the instant at which a step of it is most significant.
+/// The most significant step of every zero.
 pub(crate) fn largest_steps(network: &Network, rows: &Whitened) -> Vec<StepTest> {
     let zeros = network.zero_of_readings();
     let mut occupations: Vec<Vec<(usize, usize)>> = vec![Vec::new(); network.zeros()];
@@ -45,8 +45,8 @@ pub(crate) fn largest_steps(network: &Network, rows: &Whitened) -> Vec<StepTest>
     largest.collect()
 }
 
-/// Adds the readings of a zero (with their visits) one by one from the last to the first; after each
-/// of them the sum of their unit errors is the step that begins there.
+/// Adds the readings of a zero (with their visits) one by one from the last to the first; the sum of unit errors
+/// after each reading is the step that begins with it.
 fn largest_step(
     occupation: &[(usize, usize)],
     network: &Network,
@@ -162,8 +162,8 @@ mod tests {
         (k * (i as f64 + 0.7)).sin()
     }
 
-    /// Visits of two or three readings with errors of a micrometre, the stations in turn, forward and backward; one zero
-    /// is interrupted within a visit.
+    /// Visits of two or three readings with errors of a micrometre, the stations in turn, forward and backward; one
+    /// zero is interrupted within a visit.
     fn network() -> Network {
         let place = |i: usize| Point3::from([1.3, 2.7, 3.1].map(|k| 300.0 * wave(i, k)));
         let mut network = Network {

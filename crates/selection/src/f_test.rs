@@ -1,10 +1,9 @@
-//! The F test of a drop of the sum of squares, by its logarithm: causes are often certain beyond what
-//! an f64 holds.
+//! The F test of a drop of the sum of squares, by its logarithm: p-values are often too small for an f64.
 
 use statrs::function::beta::{beta_reg, ln_beta};
 
-/// Natural logarithm of the probability that `rank` columns without an effect lower the sum `squares` by as
-/// much as `drop`, with `degrees_of_freedom` before:
+/// Natural logarithm of the probability that `rank` columns without an effect lower the sum `squares` by as much as
+/// `drop`; `degrees_of_freedom` are those before:
 /// `I_y((ν - k)/2, k/2)`, `y = 1 - drop/squares`.
 pub fn ln_f_test(drop: f64, squares: f64, rank: usize, degrees_of_freedom: f64) -> f64 {
     let (k, rest) = (rank as f64, degrees_of_freedom - rank as f64);
@@ -28,17 +27,17 @@ pub fn ln_f_test(drop: f64, squares: f64, rank: usize, degrees_of_freedom: f64) 
     a * left.ln() + b * tail.ln() - a.ln() - ln_beta(a, b) + f64::ln(sum)
 }
 
-/// Terms of the series that change nothing; where p is small they fall like powers of y, which is well
+/// Terms of the series below this share are negligible; where p is small, terms fall like powers of y, which is well
 /// below one.
 const NEGLIGIBLE: f64 = 1e-14;
 const MOST_TERMS: f64 = 1e5;
 
-/// The probability itself.
+/// The probability of [`ln_f_test`].
 pub fn f_test(drop: f64, squares: f64, rank: usize, degrees_of_freedom: f64) -> f64 {
     ln_f_test(drop, squares, rank, degrees_of_freedom).exp()
 }
 
-/// Below this the series of the incomplete beta function has lost its digits.
+/// Below this value the series of the incomplete beta function has lost its digits.
 const SMALL: f64 = 1e-280;
 
 #[cfg(test)]

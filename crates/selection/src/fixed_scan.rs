@@ -1,4 +1,4 @@
-//! A hypothesis with few shapes, each with columns of its own.
+//! A hypothesis with few shapes, each with its own columns.
 
 use std::ops::Range;
 
@@ -14,22 +14,22 @@ use crate::{Gram, Hypothesis, Projection, Scan};
 pub struct FixedScan {
     hypothesis: Hypothesis,
     shapes: Vec<FixedShape>,
-    /// Those of one shape after the other, of each the rows that its shape concerns.
+    /// Columns of one shape after the other, each cut to the rows that its shape concerns.
     columns: Vec<f64>,
     rows: usize,
 }
 
 struct FixedShape {
     tried: Tried,
-    /// The rows from the first to the last that it concerns: one occupation of many for one station.
+    /// From the first row that the shape concerns to the last: one occupation of many for one station.
     concerned: Range<usize>,
-    /// Its columns among those of all shapes.
+    /// Its range in the columns of all shapes.
     columns: Range<usize>,
     gram: Gram,
 }
 
 impl FixedScan {
-    /// `columns(shape)` are the whitened columns. `None` if the data do not see any of them.
+    /// `columns(shape)` are the whitened columns of a shape. `None` if the data see none of them.
     pub fn new(
         hypothesis: Hypothesis,
         projection: &Projection,
@@ -40,7 +40,7 @@ impl FixedScan {
         Self::of(hypothesis, projection, tried, columns)
     }
 
-    /// The same of instants in the middles of gaps.
+    /// The same for instants, in the middles of these gaps.
     pub fn of_instants(
         hypothesis: Hypothesis,
         projection: &Projection,
@@ -76,14 +76,14 @@ impl FixedScan {
         (!scan.shapes.is_empty()).then_some(scan)
     }
 
-    /// With one more shape, if the data see it.
+    /// Adds one more shape, if the data see it.
     pub fn add(&mut self, projection: &Projection, shape: f64, columns: &[Vec<f64>]) {
         let taken = projection.taken_of_all(columns.iter().map(Vec::as_slice));
         let tried = Tried::new(shape);
         self.push(tried, columns, (&taken, 0));
     }
 
-    /// The same; `taken` is what the base model takes of columns, of which those of the shape begin with a number.
+    /// Adds a shape; `taken` is what the base model takes of columns, with the index of the first of this shape.
     fn push(&mut self, tried: Tried, columns: &[Vec<f64>], taken: (&Taken, usize)) {
         let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
         let gram = Gram::new(&gram_matrix_of(columns, taken), &before);
@@ -108,7 +108,7 @@ impl FixedScan {
     }
 }
 
-/// The instant that stands for a gap.
+/// The instant that represents a gap.
 pub fn middle([start, end]: &[f64; 2]) -> f64 {
     0.5 * (start + end)
 }

@@ -5,7 +5,7 @@ use trueaxis_leastsquares::dense::{eigenvalues_along, symmetric_eigen};
 use trueaxis_leastsquares::lane_products::LaneMatrix;
 use trueaxis_leastsquares::{Lanes, in_widest_registers, lanes_only};
 
-/// The combinations of the parameters that the data can see.
+/// The combinations of the parameters that the data see.
 #[derive(Debug, Clone)]
 pub struct Gram {
     /// Eigenvalues above the limit: squared strength of a unit of each combination.
@@ -15,11 +15,11 @@ pub struct Gram {
     parameters: usize,
 }
 
-/// What must be left of a column's squares after the projection. Below it the base model absorbs the
+/// Least share of a column's squares that must be left after the projection. Below it the base model absorbs the
 /// effect to one part in ten thousand: no data of this kind show it.
 pub(crate) const VISIBLE: f64 = 1e-8;
 
-/// Share of a parameter in what the data do not see that is more than rounding.
+/// Share of a parameter in unseen combinations that is more than rounding.
 const UNSEEN: f64 = 1e-6;
 
 impl Gram {
@@ -70,12 +70,12 @@ impl Gram {
         seen.map(|((value, z), vector)| (value, z, vector))
     }
 
-    /// `T = sᵀ G⁺ s`.
+    /// The statistic `T = sᵀ G⁺ s`.
     pub fn statistic(&self, s: &[f64]) -> f64 {
         self.standardised(s).map(|(_, z)| z * z).sum()
     }
 
-    /// The same of several, side by side: those in a column of `s`, which has a row for each parameter.
+    /// The statistics of several `s` at once: those in a column of `s`, which has a row for each parameter.
     pub fn statistics(&self, s: LaneMatrix<'_>, column: usize) -> Lanes {
         let mut statistics = Lanes::ZERO;
         let vectors = self.vectors.chunks_exact(self.parameters.max(1));
@@ -96,7 +96,7 @@ impl Gram {
         statistics
     }
 
-    /// The parameters `G⁺ s`; what the data do not see stays zero.
+    /// The parameters `G⁺ s`; unseen combinations stay zero.
     pub fn estimates(&self, s: &[f64]) -> Vec<f64> {
         let mut estimates = vec![0.0; self.parameters];
         for (value, z, vector) in self.combinations(s) {
@@ -107,8 +107,7 @@ impl Gram {
         estimates
     }
 
-    /// Whether the data see each parameter: a combination that they do not see has no part in it. The
-    /// estimate of a parameter that they see in part is only that part.
+    /// Whether the data see all of each parameter. The estimate of any other contains only the part that they see.
     pub fn seen(&self) -> Vec<bool> {
         let n = self.parameters;
         let shares = (0..n).map(|k| {
@@ -132,19 +131,19 @@ impl Gram {
         covariance
     }
 
-    /// Twice the logarithm of the marginal likelihood ratio for a prior `N(0, w² I)` of the parameters
-    /// with the most likely width `w`: `max_w Σ z² w²g/(1 + w²g) - ln(1 + w²g)`.
+    /// Twice the logarithm of the marginal likelihood ratio for a prior `N(0, w² I)` of the parameters, with the most
+    /// likely width `w`: `max_w Σ z² w²g/(1 + w²g) - ln(1 + w²g)`.
     pub fn evidence(&self, s: &[f64]) -> f64 {
         self.most_likely_width(s).1
     }
 
-    /// The same from the coordinates ([`Self::standardised`]).
+    /// The evidence from the coordinates ([`Self::standardised`]).
     pub fn evidence_of(coordinates: &[(f64, f64)]) -> f64 {
         best_width(coordinates, |gained, ln_price| gained - ln_price).1
     }
 
-    /// The posterior mean of the parameters with that prior: what the data hardly see stays near zero,
-    /// so that it predicts well where other data see it.
+    /// The posterior mean of the parameters with the prior of [`Self::evidence`]: combinations that the data hardly
+    /// see stay near zero, so that the mean predicts other data well that do see them.
     pub fn shrunk(&self, s: &[f64]) -> Vec<f64> {
         let (variance, _) = self.most_likely_width(s);
         let mut estimates = vec![0.0; self.parameters];
@@ -157,27 +156,27 @@ impl Gram {
         estimates
     }
 
-    /// `w²` and `2 ln` of the marginal likelihood ratio there.
+    /// The most likely `w²`, and `2 ln` of the marginal likelihood ratio for it.
     fn most_likely_width(&self, s: &[f64]) -> (f64, f64) {
         let coordinates: Vec<(f64, f64)> = self.standardised(s).collect();
         best_width(&coordinates, |gained, ln_price| gained - ln_price)
     }
 }
 
-/// Elements of a matrix that rounding makes unsymmetric.
+/// Elements of a matrix made symmetric again after rounding.
 fn symmetric(matrix: &[f64], n: usize) -> impl Fn(usize, usize) -> f64 {
     move |i, j| 0.5 * (matrix[i * n + j] + matrix[j * n + i])
 }
 
-/// What an eigenvalue must exceed, where the squares of the columns are these before the projection.
+/// The limit of eigenvalues, given the squares of the columns before the projection.
 fn limit(before: &[f64]) -> f64 {
     VISIBLE * before.iter().fold(0.0_f64, |max, &b| max.max(b))
 }
 
-/// With a prior `N(0, w² I)` of the parameters and the variance of the noise as likely as can be (restricted maximum likelihood): `w²` and
-/// `2 ln` of the likelihood ratio `max_w -ν ln(1 - Σ z² x/(1 + x)/ν) - Σ ln(1 + x)`, `x = w² g`, where all squares have `ν` degrees of
-/// freedom and are as many. `G`, its columns' squares before the projection, and `s` as in [`Gram`], which needs eigenvectors and so
-/// takes longer.
+/// `w²` and `2 ln` of the likelihood ratio `max_w -ν ln(1 - Σ z² x/(1 + x)/ν) - Σ ln(1 + x)`, `x = w² g`, for a prior
+/// `N(0, w² I)` of the parameters and the most likely variance of the noise (restricted maximum likelihood). The sum
+/// of squares before is `ν`, its degrees of freedom. `G`, the squares of its columns before the projection, and `s`
+/// are as in [`Gram`], which takes longer because it needs eigenvectors.
 pub fn restricted_likelihood(gram: &[f64], before: &[f64], s: &[f64], dof: f64) -> (f64, f64) {
     let (n, limit) = (before.len(), limit(before));
     if limit <= 0.0 {
@@ -191,7 +190,7 @@ pub fn restricted_likelihood(gram: &[f64], before: &[f64], s: &[f64], dof: f64) 
     })
 }
 
-/// The variance of the prior where a likelihood of what it gains and what it costs is largest, and that.
+/// The variance of the prior with the largest likelihood, a function of its gain and ln price; and that likelihood.
 fn best_width(coordinates: &[(f64, f64)], likelihood: impl Fn(f64, f64) -> f64) -> (f64, f64) {
     let at = |variance: f64| -> f64 {
         let (mut gained, mut price, mut ln_price) = (0.0, 1.0, 0.0);
@@ -199,7 +198,7 @@ fn best_width(coordinates: &[(f64, f64)], likelihood: impl Fn(f64, f64) -> f64) 
             let x = variance * g;
             gained += z * z * x / (1.0 + x);
             price *= 1.0 + x;
-            // One logarithm of the product: the logarithm is the expensive part.
+            // The logarithm is expensive: one for the product of many.
             if price > LARGE {
                 ln_price += price.ln();
                 price = 1.0;
@@ -210,7 +209,7 @@ fn best_width(coordinates: &[(f64, f64)], likelihood: impl Fn(f64, f64) -> f64) 
     let Some(largest) = coordinates.iter().map(|(g, _)| *g).reduce(f64::max) else {
         return (0.0, 0.0);
     };
-    // From a width that is a tenth of the uncertainty to one that the largest estimate has.
+    // From a width of a tenth of the least uncertainty to twice the length of the estimates.
     let top: f64 = coordinates.iter().map(|&(g, z)| z * z / g).sum();
     let (low, high) = (0.01 / largest, (4.0 * top).max(0.02 / largest));
     let ratio = (high / low).powf(1.0 / WIDTHS as f64);
@@ -224,7 +223,7 @@ fn best_width(coordinates: &[(f64, f64)], likelihood: impl Fn(f64, f64) -> f64) 
         )
 }
 
-/// A product that is as far from the largest number as it needs to be.
+/// The product gets its logarithm before it can overflow.
 const LARGE: f64 = 1e100;
 
 /// Widths of the prior that are tried, in equal ratios; the maximum is flat.

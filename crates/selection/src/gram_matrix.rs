@@ -1,7 +1,7 @@
 //! `G = Xᵀ M X` of whitened columns, row after row.
 //!
-//! Of a hypothesis with few parameters product by product; of the many columns of what wanders block by block as products of
-//! matrices, which take each element from memory once for all columns of a block.
+//! Few columns are multiplied one by one. The many columns of wandering courses are multiplied as matrices, block by
+//! block, which reads each element from memory once for all columns of a block.
 
 use std::ops::Range;
 
@@ -12,13 +12,13 @@ use trueaxis_leastsquares::dot;
 use crate::projection::Taken;
 use crate::{Gram, Projection};
 
-/// Columns from which on products of matrices are faster: they are made in blocks of eight by eight.
+/// Number of columns from which products of matrices are faster; they are made in blocks of eight by eight.
 pub(crate) const SEVERAL: usize = 8;
 
-/// Rows of `G` that are made together.
+/// Rows of `G` that are computed together.
 const BLOCK: usize = 32;
 
-/// Rows of `X` that are taken at a time.
+/// Rows of `X` that are read together.
 const ROWS: usize = 512;
 
 /// `Xᵀ M X` of whitened columns in its eigenvectors.
@@ -33,7 +33,7 @@ pub fn gram_matrix(projection: &Projection, columns: &[Vec<f64>]) -> Vec<f64> {
     gram_matrix_of(columns, (&taken, 0))
 }
 
-/// The same from what the base model takes of columns, of which these begin with a number.
+/// The same, given what the base model takes of columns, and the index of the first of these among them.
 pub(crate) fn gram_matrix_of(columns: &[Vec<f64>], taken: (&Taken, usize)) -> Vec<f64> {
     let n = columns.len();
     let mut matrix = vec![0.0; n * n];
@@ -88,7 +88,7 @@ fn one_by_one(
     }
 }
 
-/// Rows `own` of `G`, up to the last column of them.
+/// Rows `own` of `G`, up to their last diagonal element.
 fn together(
     matrix: &mut [f64],
     own: Range<usize>,
@@ -117,8 +117,8 @@ fn together(
     }
 }
 
-/// Adds `AᵀB`, column after column, of columns of the same length. `A` is turned by hand: where rows do not lie next to each other,
-/// small products of `nalgebra` (0.35) reach beyond them.
+/// Adds `AᵀB`, column after column, for columns of equal length. `A` is transposed by hand: small products of
+/// `nalgebra` (0.35) read beyond rows that are not adjacent.
 pub(crate) fn add_products(sum: &mut [f64], (a, b): (&[&[f64]], &[&[f64]])) {
     let length = b.first().map_or(0, |column| column.len());
     let (mut rows_of_a, mut columns_of_b) = (vec![0.0; ROWS * a.len()], Vec::new());

@@ -1,28 +1,27 @@
-//! Choosing a cause: hypotheses against residuals.
+//! Choosing a cause: hypotheses compared by residuals.
 //!
-//! The base model leaves the whitened residuals `e = M y`, where `M` projects out everything that it
-//! absorbs ([`Projection`]). A hypothesis brings columns `X` (what a unit of each of its parameters does
-//! to the observations). What it explains is
+//! The base model leaves the whitened residuals `e = M y`, where `M` projects out everything that it absorbs
+//! ([`Projection`]). A hypothesis adds columns `X`: the effect of a unit of each of its parameters on the
+//! observations. It explains
 //!
 //! ```text
 //! T = sᵀ G⁺ s      s = Xᵀ e      G = Xᵀ M X
 //! ```
 //!
-//! the drop of the sum of squares when its parameters join the adjustment. Hypotheses with an instant,
-//! a time constant or a period do this for each of its values ([`Scan`]).
+//! the drop of the sum of squares when its parameters join the adjustment. For hypotheses with an instant, a time
+//! constant or a period, `T` is computed for each value of that shape ([`Scan`]).
 //!
-//! Three numbers judge it. Its *p-value* is that of the F test of `T`; over all hypotheses and shapes
-//! together the smallest p-value is compared with what noise alone gives through the same projection
-//! ([`Null`]). Its *BIC* is the usual one. Its *evidence* is twice the logarithm of the marginal
-//! likelihood ratio against the base model, with a prior for the parameters that is isotropic in their
-//! common unit and as wide as suits the data best, and flat over shapes and subjects
-//! ([`Score::evidence`]): a vector that happens to point along the beam costs what this coincidence is
-//! worth, where the BIC charges every parameter alike.
+//! Three numbers judge a hypothesis. Its *p-value* is that of the F test of `T`; the smallest p-value over all
+//! hypotheses and shapes is compared with what noise alone gives through the same projection ([`Null`]). Its *BIC* is
+//! the usual one. Its *evidence* is twice the logarithm of the marginal likelihood ratio against the base model, with
+//! a prior of the parameters that is isotropic in their common unit, as wide as the data suggest, and flat over
+//! shapes and subjects ([`Score::evidence`]): a vector that happens to point along the beam costs as much as this
+//! coincidence is unlikely, whereas the BIC charges every parameter alike.
 //!
 //! Noun in: whitened residuals and the columns that their base model absorbs (a [`Projection`]), and hypotheses with
-//! whitened columns ([`Scan`]); noun out: a [`Score`] of each, and whether two of them are rivals ([`is_rival`]).
-//! It knows neither machines nor lengths, does not whiten, and decides nothing about a machine: that is
-//! `trueaxis-diagnose`.
+//! whitened columns ([`Scan`]); noun out: a [`Score`] of each, and whether two of them are rivals ([`is_rival`]). The
+//! crate knows neither machines nor lengths, does not whiten, and decides nothing about a machine:
+//! `trueaxis-diagnose` does.
 //!
 //! ```
 //! use trueaxis_selection::{Fit, Projection, f_test, gram_of};

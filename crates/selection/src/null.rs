@@ -1,20 +1,19 @@
-//! How small the smallest p-value gets when there is nothing but noise.
+//! How small the smallest p-value becomes by noise alone.
 //!
-//! White noise goes through the same projection and the same scans. The smallest p-value `q` of all
-//! hypotheses and shapes behaves as that of independent tests whose number grows with what is asked of
-//! them:
+//! White noise goes through the same projection and the same scans. The smallest p-value `q` of all hypotheses and
+//! shapes behaves like that of independent tests whose number grows as `q` falls:
 //!
 //! ```text
 //! P(q < x) = 1 - (1 - x)^m(x)      m(x) = m (2 - ln x)^b
 //! ```
 //!
-//! Neighbouring instants of a jump are tested by nearly the same lengths. They exceed a low threshold
-//! together and a high one alone, so that one number for all thresholds, which the many draws with large
-//! `q` determine, makes the small p-values half as large as they are. For a statistic of two degrees of
-//! freedom that moves like a random walk `b` is 1, for one that is smooth in its shape ½ (R. B. Davies,
-//! *Biometrika* 74, 33, 1987; B. James, K. L. James, D. Siegmund, *Biometrika* 74, 71, 1987), for tests that
-//! are independent 0. `m` and `b` are estimated by maximum likelihood, so that a few hundred draws give the
-//! tail that a level of 1 % needs. No more than all tests count (Bonferroni).
+//! Neighbouring instants of a jump are tested by nearly the same lengths. They exceed a low threshold together and a
+//! high one alone. One number of tests for all thresholds, which the many draws with large `q` would determine, would
+//! therefore halve the small p-values. For a statistic of two degrees of freedom that moves like a random walk `b` is
+//! 1, for one that is smooth in its shape ½ (R. B. Davies, *Biometrika* 74, 33, 1987; B. James, K. L. James, D.
+//! Siegmund, *Biometrika* 74, 71, 1987), for independent tests 0. `m` and `b` are estimated by maximum likelihood, so
+//! that a few hundred draws give the tail needed for a level of 1 %. `m(x)` never exceeds the number of all tests
+//! (Bonferroni).
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -36,32 +35,32 @@ pub struct Null {
     most: f64,
 }
 
-/// Draws of noise: the level of 1 % is then known to some 20 %.
+/// Draws of noise: they determine the level of 1 % to some 20 %.
 const DRAWS: u64 = 200;
 
 /// Batches of draws for which the columns of the scans are read together.
 const TOGETHER: usize = 4;
 const TOGETHER_DRAWS: u64 = (TOGETHER * LANES) as u64;
 
-/// Beyond this growth, `m(x) x` would not increase with x.
+/// Largest growth: beyond it `m(x) x` would not increase with x.
 const MOST_GROWTH: f64 = 2.0;
 
-/// Growths that are compared, from none to the most.
+/// Growths that are compared, from none to the largest.
 const GROWTHS: u32 = 41;
 
-/// Tests are independent, as few tests of few data are, unless growth raises the log-likelihood by this (Akaike).
+/// Tests are independent, as few tests of few data are, unless growth gains this log-likelihood (Akaike).
 const GROWS: f64 = 1.0;
 
 const SEED: u64 = 0x7472_7565_6178_6973;
 
 impl Null {
-    /// From white noise through the projection and the scans; the same every time.
+    /// From white noise through the projection and the scans; it is the same every time.
     pub fn simulated(projection: &Projection, scans: &[Box<dyn Scan>]) -> Self {
         Self::simulated_in(projection, scans, |noise| noise)
     }
 
-    /// The same where the rows are along vectors that rounding can turn or exchange, as eigenvectors: `along` takes noise
-    /// of what does not turn to them.
+    /// As [`Self::simulated`], for rows along vectors that rounding can turn or exchange, such as eigenvectors:
+    /// `along` maps noise in fixed directions to the rows.
     pub fn simulated_in(
         projection: &Projection,
         scans: &[Box<dyn Scan>],
@@ -87,7 +86,7 @@ impl Null {
         Self::most_likely(&smallest.concat(), tests_of(scans))
     }
 
-    /// The most likely one, given the logarithm of the smallest p-value of each draw and the number of tests.
+    /// The most likely distribution, by the logarithm of each draw's smallest p-value and the number of tests.
     fn most_likely(smallest: &[f64], tests: usize) -> Self {
         let (count, most) = (smallest.len() as f64, tests as f64);
         let of_growth = |step: u32| {
@@ -111,7 +110,7 @@ impl Null {
         best.1
     }
 
-    /// That of independent tests.
+    /// The distribution of independent tests.
     pub fn independent(tests: f64) -> Self {
         Self {
             tests,
@@ -120,14 +119,14 @@ impl Null {
         }
     }
 
-    /// Effective number of independent tests of which the smallest p-value is this.
+    /// Effective number of independent tests at this smallest p-value.
     pub fn tests_at(&self, ln_p: f64) -> f64 {
         let tests = self.tests * grown(ln_p, self.growth);
         tests.min(self.most).max(1.0)
     }
 
-    /// Whether noise alone gives a p-value as small somewhere with a probability below `level`, if the number of tests
-    /// decides it: as many independent tests are the most that [`Null::simulated`] can find, one the fewest.
+    /// Whether noise alone gives a p-value as small somewhere with a probability below `level`, if this holds for any
+    /// number of tests from one to the most that [`Null::simulated`] can find.
     pub fn decided(scans: &[Box<dyn Scan>], ln_p: f64, level: f64) -> Option<bool> {
         let at_most = Self::independent(tests_of(scans) as f64).family_wise(ln_p);
         let at_least = Self::independent(1.0).family_wise(ln_p);
@@ -156,7 +155,7 @@ fn grown(ln_p: f64, growth: f64) -> f64 {
     (2.0 - ln_p).powf(growth)
 }
 
-/// Logarithm of the derivative of `-ln P(q > x)` by x for `m = 1`: of the density of `q`, beside `P(q > x)`.
+/// Logarithm of the derivative of `-ln P(q > x)` by x for `m = 1`: of the density of `q` over `P(q > x)`.
 fn ln_slope(ln_p: f64, growth: f64) -> f64 {
     let (p, from) = (ln_p.exp(), 2.0 - ln_p);
     let left = (1.0 - p).max(f64::EPSILON);
@@ -169,7 +168,7 @@ fn tests_of(scans: &[Box<dyn Scan>]) -> usize {
     scans.iter().map(|scan| scan.tests()).sum()
 }
 
-/// For each of some residuals the logarithm of the smallest p-value of all hypotheses and shapes.
+/// The logarithm of the smallest p-value over all hypotheses and shapes, for each of some residuals.
 fn smallest_ln_p(
     residuals: &[Vec<f64>],
     degrees_of_freedom: f64,
@@ -187,7 +186,7 @@ fn smallest_ln_p(
         }
     }
     let side_by_side = LaneMatrix::by_rows(&side_by_side, [rows, batches]);
-    // Of each rank, in each batch.
+    // The largest statistic of each rank, batch by batch.
     let mut largest: Vec<Vec<Lanes>> = Vec::new();
     for scan in scans {
         scan.for_each_of(side_by_side, &mut |gram, s| {
@@ -221,8 +220,8 @@ mod tests {
     use super::*;
     use rand::RngExt;
 
-    /// How often the level of 1 % is crossed, as a part of it: mean of 20 fits to 200 draws each, and its standard
-    /// uncertainty, which contains the scatter of the draws.
+    /// How often the level of 1 % is crossed, relative to that level: mean of 20 fits to 200 draws each, and its
+    /// standard uncertainty, which contains the scatter of the draws.
     fn crossed(draws: &[f64], fit: impl Fn(&[f64]) -> Null) -> (f64, f64) {
         let part = |own: &[f64]| {
             let null = fit(own);
@@ -236,7 +235,7 @@ mod tests {
         (mean, (squares.sum::<f64>() / 380.0 + of_draws).sqrt())
     }
 
-    /// As a model with one number of tests would have it.
+    /// The distribution with one number of tests for all p-values.
     fn one_number(smallest: &[f64]) -> Null {
         let sum: f64 = smallest.iter().map(|ln_p| -(-ln_p.exp()).ln_1p()).sum();
         Null::independent(smallest.len() as f64 / sum)

@@ -1,10 +1,10 @@
-//! What is left of observations after the base model has absorbed what it can.
+//! The part of observations that a base model does not absorb.
 //!
-//! `M = I - O Oᵀ [same group] - T Σ Tᵀ`; the parts of an arrowhead system, or, without groups, the
-//! orthonormal columns `T` of a small dense one (`Σ = I`).
+//! `M = I - O Oᵀ [same group] - T Σ Tᵀ`, from the parts of an arrowhead system or, without groups, the orthonormal
+//! columns `T` of a small dense one (`Σ = I`).
 //!
-//! Columns with a prior join the covariance ([`Projection::beside`]); all that is asked of `M` then is asked of a matrix
-//! of the same form with more columns `T` that is no projection any more.
+//! Columns with a prior join the covariance ([`Projection::beside`]). `M` is then replaced by a matrix of the same
+//! form with more columns `T`, which is not a projection.
 
 mod taken;
 
@@ -19,7 +19,7 @@ pub(crate) use taken::Taken;
 
 use crate::gram_matrix::concerned;
 
-/// Whitened residuals and the projection that made them. What is as long as the data is shared by all that have it.
+/// Whitened residuals and the projection that made them. Copies share the parts that are as long as the data.
 #[derive(Debug, Clone)]
 pub struct Projection {
     /// `e = M y`.
@@ -28,11 +28,11 @@ pub struct Projection {
     pub squares: f64,
     /// Observations less parameters of the base model.
     pub degrees_of_freedom: f64,
-    /// Columns with a prior as far as the data take them, `Σ x/(1 + x)`.
+    /// Effective number of columns with a prior, as far as the data determine them, `Σ x/(1 + x)`.
     pub taken: f64,
-    /// Whether columns with a prior are in it, so that `M² ≠ M`.
+    /// Whether there are columns with a prior, so that `M² ≠ M`.
     pub is_soft: bool,
-    /// Which group each row belongs to, from 0.
+    /// The group of each row, from 0.
     pub group_of_row: Arc<Vec<usize>>,
     /// Number of groups.
     pub groups: usize,
@@ -40,21 +40,21 @@ pub struct Projection {
     pub own: Arc<Vec<f64>>,
     /// Columns of `O` in each row.
     pub own_width: usize,
-    /// `T`, row after row; orthonormal columns, and orthogonal to those of all groups, if there is no `Σ`.
+    /// `T`, row after row; without `Σ` its columns are orthonormal, and orthogonal to those of all groups.
     pub shared: Arc<Vec<f64>>,
     /// Columns of `T`.
     pub shared_width: usize,
-    /// `Σ` of the first columns of `T`, row after row; of the others it is the identity.
+    /// `Σ` of the first columns of `T`, row after row; for the others it is the identity.
     pub sigma: Arc<Vec<f64>>,
     /// Columns of `T` that have a `Σ`.
     pub sigma_width: usize,
 }
 
-/// What must be left of a column, relative to its length, for it to count as something new.
+/// Least share of a column that must be left for it to count as new.
 const NEW_TOL: f64 = 1e-6;
 
 impl Projection {
-    /// That of observations without a base model.
+    /// The projection of observations without a base model.
     pub fn of_nothing(observations: Vec<f64>) -> Self {
         let rows = observations.len();
         Self {
@@ -74,7 +74,7 @@ impl Projection {
         }
     }
 
-    /// That of an adjusted network.
+    /// The projection of an adjusted network.
     pub fn of_network(whitened: &Whitened) -> Self {
         Self {
             sigma: Arc::new(whitened.reduced_inverse.clone()),
@@ -90,13 +90,13 @@ impl Projection {
         }
     }
 
-    /// That of whitened observations `y` and the columns of a base model.
+    /// The projection of whitened observations `y` and the columns of a base model.
     pub fn dense(observations: Vec<f64>, base: &[Vec<f64>]) -> Self {
         Self::of_nothing(observations).extended(base)
     }
 
-    /// That of several systems below each other, of each its first `rows` in units of `unit`; the rest of its rows are
-    /// observations without a base model (dense ones without groups).
+    /// The projection of several systems one below the other, each cut to its first `rows`, in units of `unit`; the
+    /// other rows are observations without a base model. The systems are dense ones without groups.
     pub fn stacked<'p>(parts: impl Iterator<Item = (&'p Self, usize, f64)> + Clone) -> Self {
         let widths = parts.clone().map(|(part, ..)| part.shared_width);
         let mut stack = Self {
@@ -127,7 +127,7 @@ impl Projection {
         }
     }
 
-    /// The same of other whitened residuals.
+    /// The same projection of other whitened observations.
     pub fn with_residuals(&self, y: &[f64]) -> Self {
         let mut residuals = y.to_vec();
         self.project(&mut residuals);
@@ -138,7 +138,7 @@ impl Projection {
         }
     }
 
-    /// The same where each observation has noise of so much more variance than its residuals show.
+    /// The same projection where each observation has this much more variance than its residuals show.
     pub fn with_hidden(self, variance: f64) -> Self {
         Self {
             squares: self.squares + variance * self.degrees_of_freedom,
@@ -163,7 +163,7 @@ impl Projection {
         for column in columns {
             let length = dot(column, column).sqrt();
             let mut left = column.clone();
-            // Twice, so that rounding does not stay.
+            // Twice, to remove the rounding of the first time.
             for _ in 0..if self.is_soft { 1 } else { 2 } {
                 let before = left.clone();
                 self.project(&mut left);
@@ -172,7 +172,7 @@ impl Projection {
                     add(&mut left[rows.clone()], &unit[rows.clone()], -along);
                 }
             }
-            // Of a projection the same, with less rounding.
+            // For a projection both products are equal; this one has less rounding.
             let square = dot(if self.is_soft { column } else { &left }, &left);
             let norm = square.max(0.0).sqrt();
             if norm > NEW_TOL * length {
@@ -215,13 +215,13 @@ impl Projection {
         &self.shared[row * self.shared_width..(row + 1) * self.shared_width]
     }
 
-    /// Row of `Σ` up to where it is the identity, of the first columns of `T`.
+    /// Row of `Σ`, for the columns of `T` where it is not the identity.
     pub fn sigma_row(&self, row: usize) -> &[f64] {
         &self.sigma[row * self.sigma_width..(row + 1) * self.sigma_width]
     }
 }
 
-/// `X c`, of columns with `rows` rows.
+/// `X c`, for columns with `rows` rows.
 pub fn combined(rows: usize, columns: &[Vec<f64>], coefficients: &[f64]) -> Vec<f64> {
     let mut sum = vec![0.0; rows];
     for (column, coefficient) in columns.iter().zip(coefficients) {
@@ -238,7 +238,7 @@ pub fn add(sum: &mut [f64], x: &[f64], factor: f64) {
     }
 }
 
-/// The length of each column beside all before it, `|r_kk|` of `QR`.
+/// The part of each column's length orthogonal to all columns before it, `|r_kk|` of `QR`.
 pub fn lengths_beside_earlier(columns: &[Vec<f64>]) -> Vec<f64> {
     let rows = columns.first().map_or(0, Vec::len);
     let matrix = DMatrix::from_fn(rows, columns.len(), |i, k| columns[k][i]);

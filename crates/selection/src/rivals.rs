@@ -49,7 +49,7 @@ impl Fit {
         dot(&self.effect, &self.explained)
     }
 
-    /// Some of its parameters.
+    /// The fit of some of its parameters.
     pub fn part(&self, own: Range<usize>) -> Self {
         let width = self.estimates.len();
         let pairs = own.clone().flat_map(|i| own.clone().map(move |k| (i, k)));
@@ -62,9 +62,9 @@ impl Fit {
         }
     }
 
-    /// Whether the data allow values in their plausible ranges, three standard uncertainties considered; of a value that is more than two
-    /// of them no more than half the range, or one that lies far outside would stand for its effect because it is poorly known.
-    /// `variance` is that of the observations.
+    /// Whether the data allow values in their plausible ranges, within three standard uncertainties. For a value of
+    /// more than two uncertainties the allowance is at most half the range, or a poorly known value far outside would
+    /// represent its effect. `variance` is that of the observations.
     pub fn is_possible(&self, plausible: &[Option<[f64; 2]>], variance: f64) -> bool {
         let count = plausible.len();
         plausible.iter().enumerate().all(|(k, range)| {
@@ -93,15 +93,15 @@ pub fn cosine(a: &Fit, b: &Fit) -> f64 {
     }
 }
 
-/// `2 ln` of the odds below which two hypotheses are rivals: 20 to 1.
+/// `2 ln` of the odds, 20 to 1, below which two hypotheses are rivals.
 pub const DECISIVE: f64 = 6.0;
 
-/// Explanations more alike than this are one explanation under two names.
+/// Explanations with a larger cosine than this are one explanation under two names.
 pub const ALIKE: f64 = 0.95;
 
-/// Whether `rival` cannot be told from the leader: by evidence or BIC within 6, or because both explain
-/// the same. An explanation with more free parameters is always at least as alike; there the evidence
-/// alone decides, which knows what the coincidence costs.
+/// Whether `rival` is indistinguishable from the leader: by evidence or BIC within 6, or because both explain the same.
+/// With more free parameters an explanation is always at least as alike; then only the evidence decides, which counts
+/// the coincidence.
 pub fn is_rival(leader: &Score, rival: &Score, cosine: f64) -> bool {
     leader.evidence - rival.evidence < DECISIVE
         || rival.bic - leader.bic < DECISIVE

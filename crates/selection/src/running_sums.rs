@@ -1,4 +1,4 @@
-//! Sums over rows that come and go, and the Gram matrix of their columns:
+//! Sums over rows that are added and removed, and the Gram matrix of their columns:
 //!
 //! ```text
 //! G = XᵀX - Σ_groups (OᵀX)ᵀ(OᵀX) - (TᵀX)ᵀ Σ (TᵀX)
@@ -8,7 +8,7 @@ use trueaxis_leastsquares::dot;
 
 use crate::{Gram, Projection, add};
 
-/// Of the rows that were added.
+/// The sums over the rows added so far.
 pub(crate) struct RunningSums {
     parameters: usize,
     /// `XᵀX`.
@@ -45,7 +45,7 @@ impl RunningSums {
         }
     }
 
-    /// Adds a row, or takes it away, by its sign.
+    /// Adds a row, or removes it, by the sign.
     #[inline(always)]
     pub(crate) fn add(&mut self, projection: &Projection, row: usize, x: &[f64], sign: f64) {
         let n = self.parameters;

@@ -10,25 +10,25 @@ use crate::Gram;
 pub struct Hypothesis {
     /// The effect.
     pub effect: &'static Effect,
-    /// What it happens to.
+    /// The subject.
     pub subject: Subject,
-    /// Number of subjects of the same effect that are looked at.
+    /// Number of subjects of the same effect that are compared.
     pub subjects: usize,
 }
 
 impl Hypothesis {
-    /// Whether it is the same effect on the same subject.
+    /// Whether both are the same effect on the same subject.
     pub fn is(&self, other: &Self) -> bool {
         self.effect.id == other.effect.id && self.subject == other.subject
     }
 
-    /// Whether it is one course in time of all readings, or of all of one target, alike: what wanders looks like one,
-    /// and several together draw any course.
+    /// Whether it is one course in time common to all readings, or to all of one target: wandering looks like such a
+    /// course, and several together draw any course.
     pub fn is_of_time(&self) -> bool {
         self.subject.axis.is_none()
     }
 
-    /// The effect with values.
+    /// The effect with these values.
     pub fn resolved(&self, parameters: Vec<f64>, shape: f64) -> ResolvedEffect {
         ResolvedEffect {
             effect: self.effect,
@@ -44,19 +44,19 @@ impl Hypothesis {
     }
 }
 
-/// A shape that is tried.
+/// A shape to be tried.
 #[derive(Debug, Clone, Copy)]
 pub struct Tried {
     /// Its instant (s), time constant (s), period or order.
     pub shape: f64,
-    /// Of an instant the length of the time that it stands for: the data say no more than that it lies in it, s.
+    /// For an instant the length of the gap that it represents, s: the data only say that it lies in the gap.
     pub gap_s: Option<f64>,
-    /// Whether noise is asked for it, too ([`Scan::for_each_of`]), so that it may say how likely noise is.
+    /// Whether noise is also compared with it ([`Scan::for_each_of`]), which its p-value needs.
     pub is_tested: bool,
 }
 
 impl Tried {
-    /// A shape that noise is asked for, too.
+    /// A shape with which noise is also compared.
     pub fn new(shape: f64) -> Self {
         Self {
             shape,
@@ -66,15 +66,15 @@ impl Tried {
     }
 }
 
-/// What is called with a shape, its Gram matrix and `s = Xᵀ e`.
+/// Called with a shape, its Gram matrix and `s = Xᵀ e`.
 pub type OfOne<'a> = dyn FnMut(Tried, &Gram, &[f64]) + 'a;
 
-/// What is called with a Gram matrix and `s = Xᵀ e` of several residuals: a row for each parameter.
+/// Called with a Gram matrix and `s = Xᵀ e` of several residuals: a row for each parameter.
 pub type OfSeveral<'a> = dyn FnMut(&Gram, LaneMatrix<'_>) + 'a;
 
 /// A hypothesis, ready to be compared with residuals.
 pub trait Scan: Send + Sync {
-    /// What it says.
+    /// The effect and its subject.
     fn hypothesis(&self) -> &Hypothesis;
 
     /// Calls `f` for each shape with its Gram matrix and `s = Xᵀ e`.
@@ -83,7 +83,7 @@ pub trait Scan: Send + Sync {
     /// Number of shapes that are tested.
     fn tests(&self) -> usize;
 
-    /// The same of several residuals at once, the columns of a matrix, for those that are tested.
+    /// The same for several residuals at once, the columns of a matrix, and only for shapes that are tested.
     fn for_each_of(&self, residuals: LaneMatrix<'_>, f: &mut OfSeveral<'_>);
 
     /// The columns of one shape, whitened, not projected.

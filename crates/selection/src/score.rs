@@ -5,20 +5,20 @@ use rayon::prelude::*;
 use crate::scan::Tried;
 use crate::{Projection, Scan, ln_f_test};
 
-/// The best of a hypothesis, and its judgement.
+/// The best shape of a hypothesis, and its judgement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Score {
-    /// Which scan.
+    /// Index of the scan.
     pub scan: usize,
     /// Its best shape.
     pub shape: f64,
-    /// Standard deviation of the shape over its marginal likelihood, of an instant with a uniform density in each gap.
+    /// Standard deviation of the shape over its marginal likelihood, which is uniform for instants within a gap.
     pub u_shape: f64,
-    /// Drop of the sum of squares there, `T`.
+    /// Drop of the sum of squares with the best shape, `T`.
     pub statistic: f64,
-    /// Combinations of the parameters that the data see.
+    /// Number of combinations of the parameters that the data see.
     pub rank: usize,
-    /// Logarithm of the p-value of the best shape that is tested as if this hypothesis and shape were the only ones.
+    /// Logarithm of the p-value of the best tested shape, as if this hypothesis and shape were the only ones.
     pub ln_p: f64,
     /// BIC against the base model, negative if better: `n ln(1 - T/S) + k ln n`, shape counted.
     pub bic: f64,
@@ -27,11 +27,10 @@ pub struct Score {
     pub evidence: f64,
 }
 
-/// Evidence that differs by less is rounding.
+/// Evidence that differs by less than this is equal but for rounding.
 pub const EQUAL: f64 = 1e-3;
 
-/// Those with the most evidence first, and those with the same evidence in the order in which they are: rounding does not decide
-/// what twins are called.
+/// Sorts by falling evidence; equal evidence keeps its order, so that rounding does not decide what twins are called.
 pub fn by_evidence<T>(all: Vec<T>, evidence: impl Fn(&T) -> f64) -> Vec<T> {
     let mut all: Vec<(usize, T)> = all.into_iter().enumerate().collect();
     all.sort_by(|a, b| evidence(&b.1).total_cmp(&evidence(&a.1)));
@@ -47,19 +46,19 @@ pub fn by_evidence<T>(all: Vec<T>, evidence: impl Fn(&T) -> f64) -> Vec<T> {
     all.into_iter().map(|(_, one)| one).collect()
 }
 
-/// Scores of all scans by their evidence ([`by_evidence`]); those alike in the order of the scans, so the layers
-/// instrument, set-up, machine.
+/// Scores of all scans by their evidence ([`by_evidence`]); equal ones in the order of the scans, and so of the
+/// layers instrument, set-up, machine.
 pub fn rank(projection: &Projection, scans: &[Box<dyn Scan>]) -> Vec<Score> {
     let numbered = scans.par_iter().enumerate();
     let scored = numbered.filter_map(|(number, scan)| scored(projection, number, scan.as_ref()));
     by_evidence(scored.collect(), |score| score.evidence)
 }
 
-/// The score of one scan; `None` if the data see nothing of it.
+/// The score of one scan; `None` if the data do not see it.
 fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Score> {
     let squares = projection.squares();
     let dof = projection.degrees_of_freedom;
-    // Under an unknown variance a drop T counts ν ln(S/(S - T)), which is T/σ² for small T.
+    // With an unknown variance a drop T counts ν ln(S/(S - T)), which is T/σ² for small T.
     let variance = squares / dof;
     let [best, tested] = best_shapes(projection, scan);
     let (shape, statistic, rank) = best?;
@@ -73,7 +72,7 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
         }
         let left = ((squares - own) / squares).max(f64::MIN_POSITIVE);
         let likelihood = -dof * left.ln();
-        // The prior's price, in the variance that is left with this hypothesis in the model.
+        // The price of the prior, in the variance left with this hypothesis in the model.
         let per_deviation = 1.0 / (variance * left).sqrt();
         let in_deviations: Vec<f64> = s.iter().map(|s| s * per_deviation).collect();
         let price = gram.statistic(&in_deviations) - gram.evidence(&in_deviations);
@@ -104,22 +103,22 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
     })
 }
 
-/// Shapes that explain less than the best by this many units of variance have no part in the mean
-/// likelihood: a factor of e⁻²⁰ each.
+/// Shapes that explain less than the best by this many units of variance are left out of the mean likelihood: a
+/// factor of e⁻²⁰ each.
 const NEGLIGIBLE: f64 = 40.0;
 
 /// A shape with its statistic and rank.
 type Best = (f64, f64, usize);
 
-/// The shape whose statistic is the least likely from noise.
+/// The shape whose statistic is least likely by noise.
 pub fn best_shape(projection: &Projection, scan: &dyn Scan) -> Option<Best> {
     let [best, _] = best_shapes(projection, scan);
     best
 }
 
-/// The same, and that of the shapes that are tested.
+/// The best of all shapes, and the best of those that are tested.
 fn best_shapes(projection: &Projection, scan: &dyn Scan) -> [Option<Best>; 2] {
-    // For each rank the largest statistic.
+    // The largest statistic of each rank.
     let mut of_ranks: [Vec<(f64, f64)>; 2] = Default::default();
     scan.for_each(&projection.residuals, &mut |tried, gram, s| {
         let (rank, statistic) = (gram.rank(), gram.statistic(s));
@@ -149,7 +148,7 @@ struct OfShape {
     evidence: f64,
 }
 
-/// `2 ln` of the mean marginal likelihood over all `shapes`; those that are not listed have none.
+/// `2 ln` of the mean marginal likelihood over all `shapes`; it is zero for those not listed.
 pub fn mean_evidence(listed: &[f64], shapes: usize) -> f64 {
     let top = listed.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let likelihoods = listed.iter().map(|evidence| (0.5 * (evidence - top)).exp());
@@ -159,8 +158,8 @@ pub fn mean_evidence(listed: &[f64], shapes: usize) -> f64 {
 
 /// Standard deviation of the shape about the best one, over its marginal likelihood.
 ///
-/// An instant is as likely in each second of a gap: one between two occupations weighs with the time between them, and is
-/// anywhere in it.
+/// An instant is equally likely in each second of a gap: a gap between two occupations has the weight of its length,
+/// and the instant is anywhere in it.
 fn deviation(listed: &[OfShape], best: f64) -> f64 {
     let evidences = listed.iter().map(|one| one.evidence);
     let top = evidences.fold(f64::NEG_INFINITY, f64::max);

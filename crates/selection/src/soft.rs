@@ -1,11 +1,10 @@
-//! Columns with a prior `N(0, I)` of their coefficients join the covariance,
-//! `V = I + X Xᵀ`. All that is asked of `M` then is asked of
+//! Columns with a prior `N(0, I)` of their coefficients join the covariance, `V = I + X Xᵀ`. `M` is then replaced by
 //!
 //! ```text
 //! R = V⁻¹ - V⁻¹A (AᵀV⁻¹A)⁻¹ AᵀV⁻¹ = M - M X (I + Xᵀ M X)⁻¹ Xᵀ M
 //! ```
 //!
-//! (A: the base model), which has the same form with more columns `T`, but is no projection any more.
+//! (A: the base model), which has the same form with more columns `T`, but is not a projection.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -18,20 +17,20 @@ use crate::gram_matrix::gram_matrix_of;
 use crate::projection::{Taken, add};
 use crate::{Gram, Projection};
 
-/// A combination that the data know so much less than its prior does is left out of the covariance.
+/// Combinations that the data determine less than this share, against their prior, are left out of the covariance.
 const NOTHING: f64 = 0.02;
 
 /// Rows that one thread takes at a time.
 const ROWS_TOGETHER: usize = 512;
 
 impl Projection {
-    /// The same with columns whose coefficients have the prior `N(0, I)`, and the logarithm of `|I + Xᵀ M X|`.
+    /// The projection with columns whose coefficients have the prior `N(0, I)`, and the logarithm of `|I + Xᵀ M X|`.
     pub fn beside(&self, columns: &[Vec<f64>]) -> (Self, f64) {
         let taken_of = self.taken_of_all(columns.iter().map(Vec::as_slice));
         let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
         let gram = Gram::new(&gram_matrix_of(columns, (&taken_of, 0)), &before);
         let s: Vec<f64> = columns.iter().map(|c| dot(c, &self.residuals)).collect();
-        // Scaled eigenvectors, an element for each combination that is kept; row after row of X.
+        // The combinations that are kept; `scaled` are their scaled eigenvectors, row after row of X.
         let kept = || {
             let all = gram.combinations(&s);
             let parts = all.map(|(value, z, vector)| (value, value / (1.0 + value), z, vector));
@@ -60,14 +59,14 @@ impl Projection {
         (beside, ln_price)
     }
 
-    /// The same with `M X V` as further columns `T`, of columns `X`, what is taken of them, and `V`, row after row; of what is
-    /// left as much less as lies `along` them.
+    /// The same with `M X V` as further columns `T`, given the columns `X`, what is taken of them, and `V`, row after
+    /// row; the residuals lose `along` times these columns.
     fn joined(&self, columns: &[Vec<f64>], taken_of: &Taken, v: &[f64], along: &[f64]) -> Self {
         let width = along.len();
         if width == 0 {
             return self.clone();
         }
-        // Matrices are kept row after row, so that each is its own transpose here.
+        // Matrices are stored row after row, so each is its own transpose here.
         let times_v = |rows: usize, of_column: &dyn Fn(usize, usize) -> f64| {
             let mut product = vec![0.0; rows * width];
             let factor = DMatrix::from_fn(columns.len(), rows, of_column);
@@ -128,7 +127,7 @@ impl Projection {
         let shared = &self.shared[rows.start * self.shared_width..rows.end * self.shared_width];
         let shared = DMatrixView::from_slice(shared, self.shared_width, rows.len());
         add_product(&mut basis, shared, through, -1.0);
-        // The columns with anything in a row: those of one course of a disturbance. Rows of one course follow each other.
+        // The columns that are not zero in a row: those of one course of a disturbance. Courses have adjacent rows.
         let concerned = |i: usize| {
             let is_there = |column: &Vec<f64>| column[i] != 0.0;
             let first = columns.iter().position(is_there).unwrap_or(0);
@@ -180,8 +179,8 @@ mod tests {
         &v - &v * a * normal * a.transpose() * &v
     }
 
-    /// Columns with a prior, then free ones: the same as by dense matrices, to the part that is left out of weak
-    /// combinations; here all are strong.
+    /// Columns with a prior, then free ones: the same as by dense matrices, except for weak combinations, which are
+    /// left out; here all are strong.
     #[test]
     fn columns_with_a_prior_are_in_the_covariance() {
         let mut generator = ChaCha8Rng::seed_from_u64(1);

@@ -1,11 +1,11 @@
-//! A hypothesis with an instant, profiled over all instants by running sums.
+//! A hypothesis with an instant, for all instants by running sums.
 //!
-//! The columns of an effect that begins at `t0` are its columns from the beginning of time, cut to the
-//! visits after `t0`. Visit after visit from the last one back, `Xᵀ e` and what makes `G` ([`RunningSums`]) grow by
-//! the rows of one visit, so all instants together cost little more than one.
+//! The columns of an effect that begins at `t0` are those of the effect from the beginning of time, cut to the visits
+//! after `t0`. From the last visit back, `Xᵀ e` and the sums that make `G` ([`RunningSums`]) grow by the rows of one
+//! visit at a time, so that all instants together cost little more than one.
 //!
-//! Within a visit an instant leaves out its first readings. Whitening mixes the readings of a visit, so that a cut has columns of its
-//! own, in which the first `c` rows of every visit are left out before they are whitened: one set for each `c`.
+//! An instant within a visit leaves out its first readings. Whitening mixes the readings of a visit, so such a cut
+//! has its own columns, for which the first `c` rows of every visit are zero before whitening: one set for each `c`.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -18,38 +18,38 @@ use crate::scan::{OfOne, OfSeveral, Tried};
 use crate::visit_times::{VisitTimes, span_s};
 use crate::{Gram, Hypothesis, Projection, Scan, middle};
 
-/// Visits on either side of an instant: fewer are no jump but repeatability, or gross errors.
+/// Least number of visits on either side of an instant: fewer are repeatability or gross errors, not a jump.
 const LEAST_VISITS: usize = 3;
 
-/// Cuts of visits that are tried at most: many readings of one stop are as good as some.
+/// Most cuts of visits that are tried: some of many readings of one stop are enough.
 const MOST_CUTS: usize = 12;
 
-/// Whitened columns from the beginning of time on, of those rows only that are after something.
+/// Whitened columns of the effect from the beginning of time, with only the rows for which the argument is true.
 pub(crate) type ColumnsAfter<'a> = dyn Fn(&dyn Fn(usize) -> bool) -> Vec<Vec<f64>> + 'a;
 
 /// All instants of one hypothesis.
 pub struct StepScan {
     hypothesis: Hypothesis,
-    /// Whitened columns without the first rows of each visit, row after row, for each number of these; 0 is from the beginning of
-    /// time.
+    /// For each cut the whitened columns without as many first rows of each visit, row after row; cut 0 is from the
+    /// beginning of time.
     by_rows: BTreeMap<usize, Vec<f64>>,
     parameters: usize,
-    /// The last one first.
+    /// In falling order of time.
     instants: Vec<Instant>,
 }
 
 struct Instant {
     /// Its gap is between two readings that show the effect.
     tried: Tried,
-    /// First row behind its visit, or behind itself.
+    /// The first row after it or, for an instant within a visit, after that visit.
     first_row: usize,
-    /// Within a visit its rows, and how many of them are before it.
+    /// For an instant within a visit, the rows of the visit and the number of them before the instant.
     cut: Option<(Range<usize>, usize)>,
     gram: Gram,
 }
 
 impl StepScan {
-    /// `None` if no instant shows.
+    /// `None` if the data see no instant.
     pub fn new(
         hypothesis: Hypothesis,
         projection: &Projection,
@@ -104,7 +104,7 @@ impl StepScan {
             add(&mut sums, 0, 1.0);
             let gap_s = [concerned[number - 1].span_s[1], own.span_s[0]];
             let is_of_a_few = number < LEAST_VISITS || after < LEAST_VISITS;
-            // On a clock that does not tell two visits apart there is no instant between them.
+            // If the clock does not separate two visits, there is no instant between them.
             if !is_of_a_few && gap_s[0] < gap_s[1] {
                 push(&sums, gap_s, rows.start, None);
             }
@@ -117,7 +117,7 @@ impl StepScan {
         })
     }
 
-    /// Adds `Xᵀ e` of rows with a cut.
+    /// Adds `Xᵀ e` of some rows, with this cut.
     fn add_products(&self, rows: Range<usize>, cut: usize, residuals: &[f64], s: &mut [f64]) {
         let n = self.parameters;
         let by_rows = self.by_rows[&cut][n * rows.start..n * rows.end].chunks_exact(n);
@@ -127,7 +127,7 @@ impl StepScan {
     }
 }
 
-/// The columns without the first rows of each visit, for each number of these that parts a visit.
+/// The columns without the first rows of each visit, for each number of first rows that is a cut of any visit.
 fn by_rows(visits: &[VisitTimes], columns: &ColumnsAfter<'_>) -> BTreeMap<usize, Vec<f64>> {
     let mut cuts: Vec<usize> = visits.iter().flat_map(VisitTimes::cuts).collect();
     cuts.sort_unstable();
@@ -153,9 +153,9 @@ fn by_rows(visits: &[VisitTimes], columns: &ColumnsAfter<'_>) -> BTreeMap<usize,
 /// A visit in which the effect shows.
 struct Concerned<'a> {
     visit: &'a VisitTimes,
-    /// First and last time at which it does, s.
+    /// First and last time of readings that show it, s.
     span_s: [f64; 2],
-    /// Cuts with readings that show it on either side, and the times of those next to it, s.
+    /// Cuts with readings that show it on either side, and the times of the nearest of these, s.
     cuts: Vec<(usize, [f64; 2])>,
 }
 
@@ -169,7 +169,7 @@ impl<'a> Concerned<'a> {
         for (i, &start) in starts.iter().enumerate() {
             let next = starts.get(i + 1);
             let is_shown = match next {
-                // Where its rows are zero, it makes no difference to leave them out.
+                // The effect does not show in rows that can be left out without a difference.
                 Some(&next) => {
                     let mut pairs = of_visit(start).iter().zip(of_visit(next));
                     pairs.any(|(a, b)| a.to_bits() != b.to_bits())
@@ -195,8 +195,8 @@ impl<'a> Concerned<'a> {
 }
 
 impl StepScan {
-    /// The instants between visits. One within a visit is a few readings away from a tested one, which shows it nearly as
-    /// well; to test them all would take as much longer as there are more.
+    /// The instants between visits. Those within a visit are a few readings away from a tested one, which shows the
+    /// effect nearly as well; testing them all would take longer in proportion to their number.
     fn tested(&self) -> impl Iterator<Item = &Instant> {
         self.instants.iter().filter(|instant| instant.cut.is_none())
     }

@@ -2,19 +2,19 @@
 
 use std::ops::Range;
 
-/// A visit of a network, or a stop, of several in time order.
+/// A visit of a network, a stop, or several of them in time order.
 #[derive(Debug, Clone)]
 pub struct VisitTimes {
     /// Rows of the visit.
     pub rows: Range<usize>,
-    /// When each of them was measured, s.
+    /// Time of each row, s.
     pub times_s: Vec<f64>,
     /// First and last time, s.
     pub span_s: [f64; 2],
 }
 
 impl VisitTimes {
-    /// That of rows with their times, s.
+    /// The visit of these rows, with their times, s.
     pub fn new(rows: Range<usize>, times_s: impl Iterator<Item = f64>) -> Self {
         let times_s: Vec<f64> = times_s.collect();
         Self {
@@ -24,7 +24,7 @@ impl VisitTimes {
         }
     }
 
-    /// Numbers of first rows that are all before the rest, whatever the order among them.
+    /// Numbers of first rows that all lie before the rest in time, whatever their own order.
     pub(crate) fn cuts(&self) -> impl Iterator<Item = usize> + '_ {
         let first_of_rest = self.times_s.iter().rev();
         let first_of_rest = first_of_rest.scan(f64::INFINITY, |first, time| {
@@ -43,7 +43,7 @@ impl VisitTimes {
     }
 }
 
-/// First and last of some times.
+/// Earliest and latest of some times.
 pub(crate) fn span_s(times_s: &[f64]) -> [f64; 2] {
     let all = || times_s.iter().copied();
     [
@@ -56,7 +56,7 @@ pub(crate) fn span_s(times_s: &[f64]) -> [f64; 2] {
 mod tests {
     use super::VisitTimes;
 
-    /// A visit whose readings are not in the order of their times is parted only where all first rows are before all others.
+    /// A visit whose readings are not in time order is cut only where all first rows are before all others.
     #[test]
     fn an_instant_parts_rows_by_their_times() {
         let cuts = |times_s: &[f64]| -> Vec<usize> {

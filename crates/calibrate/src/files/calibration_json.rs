@@ -26,7 +26,7 @@ use trueaxis_predict::{Unit, position_in_file, positions_in_file};
 impl Calibration {
     /// The text of `calibration.json`, version 1.
     ///
-    /// Its fields are in `docs/formats.md`; those that say nothing are left out.
+    /// `docs/formats.md` describes its fields; empty ones are left out.
     pub fn to_json(&self) -> String {
         let target =
             |t: &TargetResult| json!({ "name": t.name, "position_mm": point(t.position_mm) });
@@ -173,8 +173,8 @@ fn by_component(axis: &AxisResult, entry: impl Fn(Component) -> Value) -> Value 
         .collect()
 }
 
-/// `value_um` and `u_um`, or the same in another unit, with what is behind the uncertainties: the least degrees
-/// of freedom, and the mean shares of what is not zero by definition.
+/// `value_um` and `u_um`, or the same in another unit, with the evidence for the uncertainties: the least degrees of
+/// freedom, and the mean shares of the budget over all values that gauge or frame do not define.
 fn quantity(
     unit: Unit,
     value: impl Serialize,
@@ -223,7 +223,7 @@ fn curve(axis: &AxisResult, component: Component) -> Value {
     )
 }
 
-/// The same of one value and its u, mm or rad.
+/// The fields of one value and its u, mm or rad.
 fn one(unit: Unit, values: [f64; 2], behind: Option<(f64, Budget)>) -> Value {
     let [value, u] = values.map(|x| unit.in_file(x));
     quantity(unit, value, u, behind.into_iter())
@@ -289,7 +289,7 @@ fn misfit_of_step(of: &StepMisfit) -> Value {
     misfit(&of.step, of.rms_um, of.chi_squared, dof, of.p_value)
 }
 
-/// Of runs that contradict each other.
+/// The entry of runs that contradict each other.
 fn misfit_of_runs(axis: &AxisResult) -> Option<Value> {
     let of = axis.runs.as_ref()?;
     let what = format!("axis {}: runs {}", axis.name, of.runs.join(", "));

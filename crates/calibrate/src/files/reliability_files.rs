@@ -1,8 +1,8 @@
-//! The matrix `reliability.npy` with its index in JSON, version 1: what the smallest detectable error of each used length
-//! (row) does to each result (column).
+//! The matrix `reliability.npy` with its index in JSON, version 1: the effect of the smallest detectable error of
+//! each used length (row) on each result (column).
 //!
-//! The index has one array for each property of the lengths, in the order of the rows, and names the results as that of the
-//! covariance does.
+//! The index has one array for each property of the lengths, in the order of the rows, and names the results in the
+//! same way as that of the covariance.
 
 use serde_json::json;
 use trueaxis_campaign::Lengths;
@@ -39,9 +39,9 @@ impl LengthsReliability {
             // Line of the lengths' file, from 1 (the header).
             "row": lines.collect::<Vec<_>>(),
             "redundancy": of(&|length| length.redundancy),
-            // Null where nothing checks the length.
+            // Null for a length that nothing checks.
             "minimal_detectable_um": of(&|length| length.minimal_detectable_mm / MICROMETRE),
-            // Place among the results, from 0.
+            // Index among the results, from 0.
             "worst_result": of_each.map(|length| length.worst.0).collect::<Vec<_>>(),
             "worst_effect_in_u": of(&|length| length.worst.1),
             "results": outputs.collect::<Vec<_>>(),

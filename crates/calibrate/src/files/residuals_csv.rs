@@ -1,4 +1,4 @@
-//! `residuals.csv`: a row for each length, or each coordinate of a point, with what is left of it.
+//! `residuals.csv`: a row for each length, or each coordinate of a point, with its residual.
 
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -17,8 +17,8 @@ impl Calibration {
     /// File name of [`Calibration::write_residuals_csv`].
     pub const RESIDUALS_FILE: &str = "residuals.csv";
 
-    /// Writes `residuals.csv`: the residuals (observed minus computed) of all lengths of `campaign`, or of all
-    /// coordinates of its points that led to a result, in measuring order. It must be the campaign that was calibrated.
+    /// Writes `residuals.csv`: the residuals (observed minus computed) of all lengths, or of all coordinates of
+    /// points that led to a result, in measuring order. `campaign` must be the one that was calibrated.
     ///
     /// # Errors
     /// Those of `out`.
@@ -37,7 +37,7 @@ impl Calibration {
         }
         out.write_all(b",residual_um,standardized,redundancy,used\n")?;
         let mut stops = stops.iter().peekable();
-        // Of the rows of one stop the positions are the same. Writing to a String cannot fail.
+        // The rows of one stop share their positions. Writing to a String cannot fail.
         let (mut positions, mut of_stop) = (String::new(), None);
         let mut row = String::new();
         for residual in &self.residuals {

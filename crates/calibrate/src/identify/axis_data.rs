@@ -1,4 +1,4 @@
-//! What was measured of one axis: its runs, records and nodes.
+//! The measurements of one axis: its runs, records and nodes.
 
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::{AxisKind, Machine};
@@ -13,7 +13,7 @@ pub(crate) struct AxisData {
     pub(crate) axis: usize,
     /// Campaign runs of the axis.
     pub(crate) runs: Vec<RunData>,
-    /// One for each step of each run (and each side of approach, where kept apart).
+    /// One for each step of each run (and each side of approach, if the sides are kept apart).
     pub(crate) records: Vec<Record>,
     /// The different positions, ascending, backward before forward.
     pub(crate) nodes: Vec<Node>,
@@ -29,11 +29,11 @@ pub(crate) struct RunData {
     pub(crate) targets: Vec<usize>,
     /// The axes outside the one under test, between it and the bed, in the order of their chain.
     pub(crate) outer: Vec<usize>,
-    /// Those inside it, between it and the body, which moves with the carrier farthest from the bed.
+    /// The axes inside it, between it and the body, which moves with the carrier farthest from the bed.
     pub(crate) inner: Vec<usize>,
-    /// Those inside it, between it and each target.
+    /// The axes inside it, between it and each target.
     pub(crate) inside: Vec<Vec<usize>>,
-    /// Where all axes stand at its first step; the others stand still.
+    /// Positions of all axes at the first step of the run; the other axes stand still.
     pub(crate) positions: Vec<f64>,
 }
 
@@ -44,8 +44,8 @@ pub(crate) struct Record {
     pub(crate) pose: usize,
     /// Index into [`AxisData::nodes`].
     pub(crate) node: usize,
-    /// Its weight in the mean of its node: by the variance of where the targets are in the mean, so that those of a
-    /// node add up to one.
+    /// Its weight in the mean of its node, by the variance of the mean position of its targets; those of a node add
+    /// up to one.
     pub(crate) weight: f64,
 }
 
@@ -57,7 +57,7 @@ pub(crate) fn by_axis(campaign: &Campaign, poses: &Poses) -> Result<Vec<AxisData
     let mut all: Vec<AxisData> = Vec::new();
     for (pose, observation) in poses.observations.iter().enumerate() {
         let step = &campaign.steps[observation.step];
-        // Poses are those of runs.
+        // Poses of the bed belong to no run.
         let Some(number) = step.run else { continue };
         let axis = campaign.runs[number].axis;
         let place = all.iter().position(|data| data.axis == axis);
@@ -87,13 +87,13 @@ pub(crate) fn by_axis(campaign: &Campaign, poses: &Poses) -> Result<Vec<AxisData
         weigh_records(data, poses);
         check_other_axes(data, campaign, poses)?;
     }
-    // In the order of the machine's axes, whatever the order of measuring.
+    // Ordered like the machine's axes, whatever the order of measuring.
     all.sort_by_key(|data| data.axis);
     Ok(all)
 }
 
-/// Other axes of the chain must stand still during a run, and rotary ones at home: their errors
-/// would enter those of the axis under test, or turn them.
+/// Other axes of the chain must stand still during a run, and rotary ones at home: otherwise their errors would enter
+/// those of the axis under test, or turn them.
 fn check_other_axes(data: &AxisData, campaign: &Campaign, poses: &Poses) -> Result<(), Error> {
     let machine = &campaign.machine;
     for record in &data.records {
@@ -156,7 +156,7 @@ fn number_nodes(data: &mut AxisData, campaign: &Campaign, poses: &Poses) {
     data.nodes = nodes;
 }
 
-/// The pivot of a pose is where its targets are in the mean. Without a noise of its own all count alike.
+/// The pivot of a pose is the mean position of its targets. Without noise of their own all poses count alike.
 fn weigh_records(data: &mut AxisData, poses: &Poses) {
     let variance_mm2 = |record: &Record| {
         let own = poses.noise.own.get(record.pose);
@@ -180,14 +180,14 @@ fn weigh_records(data: &mut AxisData, poses: &Poses) {
 }
 
 impl AxisData {
-    /// Weights of the nodes whose sum is the curve at `position` ([`weights_at`]).
+    /// The nodes and weights whose weighted sum is the curve at `position` ([`weights_at`]).
     pub(crate) fn weights_at(&self, position: f64) -> Vec<(usize, f64)> {
         weights_at(&self.nodes, position)
     }
 }
 
 impl RunData {
-    /// The run of that number, with its first pose.
+    /// The run `run` with its first pose.
     fn new(campaign: &Campaign, poses: &Poses, first: &PoseObservation, run: usize) -> Self {
         let step = &campaign.steps[first.step];
         let (machine, axis) = (&campaign.machine, campaign.runs[run].axis);

@@ -1,4 +1,4 @@
-//! What identification works on, and the machine's errors while it does.
+//! The input of the identification, and the errors of the machine as identified so far.
 
 use nalgebra::{Isometry3, Point3};
 use trueaxis_campaign::Campaign;
@@ -26,7 +26,7 @@ impl<'a> Context<'a> {
         &self.machine.axes()[self.data[k].axis]
     }
 
-    /// The place of an axis of the machine among the data, if it was measured.
+    /// The index of an axis of the machine in the data, if it was measured.
     pub(crate) fn place_of(&self, axis: usize) -> Option<usize> {
         self.data.iter().position(|data| data.axis == axis)
     }
@@ -45,7 +45,7 @@ impl<'a> Context<'a> {
         order
     }
 
-    /// The errors of the whole machine: what is identified so far, nothing for other axes.
+    /// The errors of the whole machine as identified so far; none for axes that were not measured.
     pub(crate) fn errors<'b>(&'b self, state: &'b State) -> ModelErrors<'b> {
         ModelErrors {
             context: self,

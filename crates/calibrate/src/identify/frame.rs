@@ -1,4 +1,4 @@
-//! The reference frame of a campaign: the rule of `trueaxis-kinematics` on what was measured.
+//! The reference frame of a campaign: the rule of `trueaxis-kinematics`, applied to its measurements.
 
 use nalgebra::{DMatrix, Vector3};
 use trueaxis_campaign::frame_rule;
@@ -13,7 +13,7 @@ pub(crate) struct FrameRule {
     pub(crate) lines: Vec<usize>,
     /// The targets that decide the rest, once for each run that measured them.
     pub(crate) anchors: Vec<Anchor>,
-    /// Of each target among the anchors: the mean over the runs counts, whatever their number.
+    /// Weight of each run in the mean of a target among the anchors: all targets count alike.
     weights: Vec<f64>,
     /// See [`FrameRule::axial_places`].
     axial: DMatrix<f64>,
@@ -76,18 +76,18 @@ impl FrameRule {
         }
     }
 
-    /// Whether axis `k` has a place along itself.
+    /// Whether axis `k` has a position along itself.
     pub(crate) fn is_placed(&self, k: usize) -> bool {
         self.axial.column(k).amax() > 0.0
     }
 
-    /// How far each axis is along itself (a row), from how far its targets are along it in the mean; zero for axes without
-    /// such a place.
+    /// The position of each axis along itself (a row), from the mean shift of its targets along it; zero for axes
+    /// without such a position.
     pub(crate) fn axial_places(&self, mean_shifts: &DMatrix<f64>) -> DMatrix<f64> {
         &self.axial * mean_shifts
     }
 
-    /// The location errors of an axis that are reported: of lines those that the frame does not define away.
+    /// The location errors of an axis that are reported: for a line, those that the frame does not define.
     pub(crate) fn reported(&self, machine: &Machine, axis: usize) -> Vec<LocationComponent> {
         let geometry = &machine.axes()[axis];
         let mut all = geometry.location_components();
@@ -97,8 +97,8 @@ impl FrameRule {
         all
     }
 
-    /// The motion that is to be taken out: from the tilts of the lines (rotation vectors in the
-    /// reference frame) and the shifts of the anchors. It is linear in both.
+    /// The motion to be taken out, from the tilts of the lines (rotation vectors in the reference frame) and the
+    /// shifts of the anchors. It is linear in both.
     pub(crate) fn motion(&self, tilts: &[Vector3<f64>], shifts: &[Vector3<f64>]) -> SmallMotion {
         let mut means = vec![Vector3::zeros(); self.weights.len()];
         for (anchor, shift) in self.anchors.iter().zip(shifts) {
@@ -108,10 +108,10 @@ impl FrameRule {
     }
 }
 
-/// Part of the shift of targets below which rotary axes that carry each other share it: they are parallel to 0.8 degrees.
+/// Singular value below which rotary axes that carry each other share shifts: they are parallel to 0.8 degrees.
 const SHARED_TOL: f64 = 1e-4;
 
-/// Where rotary axes carry each other, a shift along one has a part along another, if they are oblique.
+/// Inverts the shifts of targets by shifts of axes: if rotary axes that carry each other are oblique, both count.
 fn axial(context: &Context<'_>, rule: &trueaxis_kinematics::FrameRule) -> DMatrix<f64> {
     let (machine, data) = (context.machine, context.data);
     let is_placed = |k: usize| {

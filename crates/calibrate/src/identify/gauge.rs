@@ -1,5 +1,5 @@
-//! The least-squares gauge (paper 4.2.2 and 4.2.3): which part of the measured motion is location error, which is the
-//! position of the targets, and which is component error.
+//! The least-squares gauge (paper 4.2.2 and 4.2.3): which part of the measured motion is location error, position of
+//! the targets, and component error.
 //!
 //! The pose errors `e_i = (δ, ε)` of all records of an axis determine its component errors `E`
 //! only up to the motions
@@ -17,9 +17,9 @@
 //! rotary   Σ δ⊥ = 0,  Σ Rᵀδ⊥ = 0,  Σ ε⊥ = 0,  Σ Rᵀε⊥ = 0;  δ∥ = 0, ε∥ = 0 at home
 //! ```
 //!
-//! with sums over the different positions (nodes). Runs that share positions are joined by least
-//! squares: `E` at a node is the mean over the runs there, each with its own `g`. All of this is
-//! linear: `x = Σ Γ_i e_i`, `E_k = mean e - Λ x`, and `Γ` serves the uncertainties as well.
+//! with sums over the different positions (nodes). Runs that share positions are joined by least squares: `E` at a
+//! node is the mean over the runs there, each with its own `g`. All this is linear, `x = Σ Γ_i e_i`, `E_k = mean e -
+//! Λ x`; the uncertainties use `Γ`, too.
 
 use nalgebra::{
     DMatrix, DVector, Matrix3, Matrix6, Matrix6xX, MatrixXx6, RowVector6, UnitQuaternion, Vector3,
@@ -35,14 +35,14 @@ use crate::in_order;
 
 /// The gauge of one axis.
 pub(crate) struct Gauge {
-    /// Parameters of the axis itself: tilts of a linear, shifts and tilts of a rotary axis, along
-    /// the two directions of its [`Basis`].
+    /// Number of parameters of the axis itself: tilts of a linear, shifts and tilts of a rotary axis, along the two
+    /// directions of its [`Basis`].
     pub(crate) location_parameters: usize,
-    /// `Λ` of each record: what the parameters do to its pose error.
+    /// `Λ` of each record: the effect of the parameters on its pose error.
     pub(crate) effects: Vec<Matrix6xX<f64>>,
     /// Weighted mean `Λ` of each node's records.
     pub(crate) node_effects: Vec<Matrix6xX<f64>>,
-    /// `Γ` of each record: its part in the parameters.
+    /// `Γ` of each record: the effect of its pose error on the parameters.
     pub(crate) shares: Vec<MatrixXx6<f64>>,
 }
 
@@ -135,14 +135,14 @@ impl Gauge {
     }
 }
 
-/// The first rows of the inverse of `[N Aᵀ; A 0]`: they map `(Σ Λᵀe, A-part)` to the parameters
-/// that minimise the disagreement `xᵀN x / 2 - …` subject to `A x = c`.
+/// The first rows of the inverse of `[N Aᵀ; A 0]`: they map `(Σ Λᵀe, c)` to the parameters that minimise the
+/// disagreement `xᵀN x / 2 - …` subject to `A x = c`.
 fn bordered_inverse(
     agreement: &DMatrix<f64>,
     constraint: &DMatrix<f64>,
 ) -> Result<DMatrix<f64>, GaugeDefect> {
     let (width, count) = (agreement.nrows(), constraint.nrows());
-    // Columns and rows of unit size: rotations and translations, large and small travels alike.
+    // Columns and rows of unit size, for rotations and translations, large and small travels alike.
     let unit = |size: f64| if size > 0.0 { size } else { 1.0 };
     let columns: Vec<f64> = (0..width)
         .map(|j| unit(constraint.column(j).norm()))
@@ -165,7 +165,7 @@ fn bordered_inverse(
     });
     let singular_value = relative_singular_value(&bordered);
     if singular_value < RANK_TOL {
-        // The constraints alone must be independent: with one run only positions are at fault.
+        // The constraints alone must be independent: if they are not, the positions are at fault.
         let of_positions = relative_singular_value(&scaled_constraint);
         return Err(if of_positions < RANK_TOL {
             GaugeDefect::Positions {
@@ -187,7 +187,7 @@ fn bordered_inverse(
     }))
 }
 
-/// What the axis' own parameters do to a pose error.
+/// The effect of the axis' own parameters on a pose error.
 fn location_effect(axis: &Axis, position: f64) -> Matrix6xX<f64> {
     let Basis { across, along } = Basis::of(axis);
     let column = |translation: Vector3<f64>, rotation: Vector3<f64>| {
@@ -211,7 +211,7 @@ fn location_effect(axis: &Axis, position: f64) -> Matrix6xX<f64> {
     }
 }
 
-/// What a twist of the targets on the stage does to a pose error.
+/// The effect of a twist of the targets on the stage on a pose error.
 fn target_effect(axis: &Axis, position: f64) -> Matrix6<f64> {
     let turn = match axis.kind() {
         AxisKind::Linear => UnitQuaternion::identity(),

@@ -1,5 +1,5 @@
-//! Composes single axes to a machine: pose errors, gauge and reference frame, repeated until the exact
-//! model reproduces the measured poses.
+//! Combines the axes of a machine: pose errors, gauge and reference frame, repeated until the exact model reproduces
+//! the measured poses.
 
 use nalgebra::{Matrix6, MatrixXx6, Point3, Vector3, Vector6};
 use trueaxis_kinematics::{AxisKind, LocationComponent, MotionError};
@@ -24,12 +24,12 @@ pub(crate) struct Identified {
     /// How location errors and component errors are separated on each axis.
     pub(crate) gauges: Vec<Gauge>,
     pub(crate) frame: FrameRule,
-    /// For each axis the location errors that the frame does not define away.
+    /// For each axis the location errors that the frame does not define.
     pub(crate) reported: Vec<Vec<LocationComponent>>,
 }
 
-/// How the results of an axis follow from the errors `x_i` of its poses ([`trueaxis_poses`]), seen from its
-/// base as if that were known: with the maps `A_i` of [`Context::error_maps`] and the gauge
+/// How the results of an axis follow from the errors `x_i` of its poses ([`trueaxis_poses`]), seen from its base as
+/// if the base were known: with the maps `A_i` of [`Context::error_maps`] and the gauge
 ///
 /// ```text
 /// e_i = A_i x_i     y = Σ Γ_i e_i     E_k = mean e - Λ_k y
@@ -41,14 +41,14 @@ pub(crate) struct Sensitivity {
     pub(crate) parameters: Vec<MatrixXx6<f64>>,
 }
 
-/// Each pass leaves about a ten-thousandth of the change before it (the size of the errors in rad);
-/// coarse machines, degrees off, need more.
+/// Each pass leaves about a ten-thousandth (the size of the errors in rad) of the previous change; coarse machines,
+/// degrees off, need more.
 const MAX_PASSES: usize = 60;
 
-/// No pass of a machine that can be identified changes a coordinate by more, mm.
+/// No pass changes a coordinate by more than this, mm, if the machine can be identified.
 const DIVERGED_MM: f64 = 1e4;
 
-/// Settled when no coordinate changes by more, mm: a picometre of the results is rounding.
+/// Settled when no coordinate changes by more than this, mm; a picometre in the results is rounding.
 const SETTLED_MM: f64 = 1e-9;
 
 /// Finds the errors of all axes and the reference frame from the measured poses.
@@ -93,15 +93,15 @@ pub(crate) fn identify_axes(context: &Context<'_>) -> Result<Identified, Error> 
     })
 }
 
-/// What a pass changed, mm.
+/// The changes of a pass, mm.
 struct Changes {
-    /// The largest change of an axis, and which.
+    /// The largest change of an axis, and the index of that axis.
     axes: (f64, usize),
     frame: f64,
 }
 
-/// Updates all values, one axis after the other from the bed outwards: each is seen from those before
-/// it as they are found.
+/// Updates all values, one axis after the other from the bed outwards: each is seen from those before it, already
+/// updated.
 fn improve_all(
     context: &Context<'_>,
     gauges: &[Gauge],
@@ -125,11 +125,11 @@ fn improve_all(
     }
 }
 
-/// A replay is settled when no coordinate changes by more, mm: a millionth of what can be measured.
+/// A replay is settled when no coordinate changes by more than this, mm: a millionth of what can be measured.
 const REPLAY_SETTLED_MM: f64 = 1e-10;
 
 impl Identified {
-    /// The values for other poses near those that were identified. `None` if they do not settle.
+    /// The values for poses near the identified ones. `None` if they do not settle.
     pub(crate) fn replayed(&self, context: &Context<'_>) -> Option<State> {
         let mut state = self.state.clone();
         for _ in 0..MAX_PASSES {
@@ -142,15 +142,14 @@ impl Identified {
     }
 }
 
-/// Updates the values of axis `k`; returns the largest change of a coordinate, mm (infinite where
-/// it is not a number).
+/// Updates the values of axis `k`; returns the largest change of a coordinate, mm (infinite if it is not a number).
 fn improve(context: &Context<'_>, gauge: &Gauge, state: &mut State, k: usize) -> f64 {
     let (own, axis) = (&context.data[k], context.axis(k));
     let reference = axis.reference_at_home_mm(&state.axes[k].location);
     let pose_errors = context.pose_errors(state, k);
     let x = gauge.apply(&pose_errors);
 
-    // Component errors: the weighted mean over the records of a node, without what the gauge takes.
+    // Component errors: the weighted mean over the records of a node, without what the gauge takes out.
     let mut curve = vec![Vector6::zeros(); own.nodes.len()];
     for ((record, error), effect) in own.records.iter().zip(&pose_errors).zip(&gauge.effects) {
         curve[record.node] += (error - effect * &x) * record.weight;
@@ -159,7 +158,7 @@ fn improve(context: &Context<'_>, gauge: &Gauge, state: &mut State, k: usize) ->
     let mut change_mm = 0.0_f64;
     let mut changed = |translation: Vector3<f64>, rotation: Vector3<f64>| {
         let size_mm = translation.norm() + lever_mm * rotation.norm();
-        // `max` would drop what is not a number.
+        // `max` would ignore NaN.
         change_mm = if size_mm.is_nan() {
             f64::INFINITY
         } else {
@@ -175,7 +174,7 @@ fn improve(context: &Context<'_>, gauge: &Gauge, state: &mut State, k: usize) ->
         *value = new;
     }
 
-    // The places of the bodies: their twist on the stage.
+    // The placements of the bodies: their twist on the stage.
     for (r, run) in own.runs.iter().enumerate() {
         let first = gauge.location_parameters + PER_RUN * r;
         let twist: Vector6<f64> = x.fixed_rows::<PER_RUN>(first).into_owned();

@@ -1,4 +1,4 @@
-//! What is no calibration although everything converged.
+//! Converged results that are no calibration.
 
 use trueaxis_kinematics::MotionError;
 use trueaxis_poses::{AdjustmentReport, step_in_words};
@@ -7,11 +7,11 @@ use crate::Error;
 use crate::identify::context::Context;
 use crate::identify::identify_axes::Identified;
 
-/// Component errors beyond these are no errors but another motion: wrong unit, sign or axis.
+/// Component errors beyond these are not errors but another motion: wrong unit, sign or axis.
 const IMPLAUSIBLE_MM: f64 = 50.0;
 const IMPLAUSIBLE_RAD: f64 = 0.1;
 
-/// Refuses axes that moved otherwise than commanded.
+/// Refuses axes that did not move as commanded.
 pub(crate) fn check_motion(context: &Context<'_>, identified: &Identified) -> Result<(), Error> {
     for (k, values) in identified.state.axes.iter().enumerate() {
         let data = &context.data[k];

@@ -1,15 +1,15 @@
 //! The component errors of every record of an axis, relative to the current model.
 //!
-//! With everything outside the axis under test (`B`) and inside it (`C`) taken from the model, and the
-//! body at home where the run has it (`H`), the measured pose `P` is
+//! With all axes outside the one under test (`B`) and inside it (`C`) taken from the model, and the body at home as
+//! in its run (`H`), the measured pose `P` is
 //!
 //! ```text
 //! B⁻¹ P = T(q) C H        T: commanded motion, location errors, component errors
 //! ```
 //!
-//! What the model of the axis leaves of it is a small motion, whose translation at the reference point
-//! and rotation are added to the component errors. As the prediction is exact, repeating this leaves no
-//! second-order error (Newton's method on the pose; paper Eqs. 2 and 20).
+//! What the model of the axis leaves is a small motion, whose translation at the reference point and rotation are
+//! added to the component errors. As the prediction is exact, repeating this leaves no second-order error (Newton's
+//! method on the pose; paper Eqs. 2 and 20).
 
 use nalgebra::{Isometry3, Matrix6, Point3, UnitQuaternion, Vector6};
 use trueaxis_kinematics::MotionError;
@@ -20,7 +20,7 @@ use crate::identify::context::Context;
 use crate::identify::state::State;
 use crate::in_order;
 
-/// What the other axes do to the body of a run, during which they stand still.
+/// The effect of the other axes, which stand still, on the body of a run.
 struct Surroundings {
     /// `B⁻¹` after the motion into the reference frame.
     base_from_datum: Isometry3<f64>,
@@ -31,9 +31,9 @@ struct Surroundings {
 /// A record seen from the base of its axis.
 struct Seen {
     base_from_datum: Isometry3<f64>,
-    /// `B⁻¹ P (C H)⁻¹ T⁻¹`: what the model leaves.
+    /// `B⁻¹ P (C H)⁻¹ T⁻¹`: what the model of the axis leaves.
     left: Isometry3<f64>,
-    /// The reference point of δ where the model has it, mm.
+    /// The reference point of δ by the model, mm.
     reference_mm: Point3<f64>,
     /// The component errors of the model.
     current: MotionError,
@@ -53,7 +53,7 @@ impl Context<'_> {
         })
     }
 
-    /// How these follow from the errors of the measured poses ([`trueaxis_poses`]).
+    /// How the pose errors follow from the errors of the measured poses ([`trueaxis_poses`]).
     pub(crate) fn error_maps(&self, state: &State, k: usize) -> Vec<Matrix6<f64>> {
         let surroundings = self.surroundings(state, k);
         in_order::map(self.data[k].records.len(), |record| {
@@ -65,7 +65,7 @@ impl Context<'_> {
         })
     }
 
-    /// For each run of the axis `data[k]`.
+    /// The surroundings of each run of the axis `data[k]`.
     fn surroundings(&self, state: &State, k: usize) -> Vec<Surroundings> {
         let errors = self.errors(state);
         let of_run = |(run, home_from_body): (&RunData, &Isometry3<f64>)| {
@@ -99,7 +99,7 @@ impl Context<'_> {
     }
 }
 
-/// `exp(ε₂) exp(ε₁)` and the sum of the translations: a correction on top of an error.
+/// A correction after an error: `exp(ε₂) exp(ε₁)` and the sum of the translations.
 fn composed(correction: &MotionError, current: &MotionError) -> MotionError {
     let turn = |e: &MotionError| UnitQuaternion::from_scaled_axis(e.rotation_rad);
     MotionError::new(

@@ -1,4 +1,4 @@
-//! The reference frame in each pass: where the rule wants it.
+//! The reference frame of each pass, by the rule.
 
 use nalgebra::{DMatrix, Point3, Translation3, Vector3};
 use trueaxis_kinematics::{AxisKind, SmallMotion};
@@ -7,8 +7,8 @@ use crate::identify::context::Context;
 use crate::identify::frame::{Anchor, FrameRule};
 use crate::identify::state::State;
 
-/// Moves the reference frame and the axial places of rotary axes to where the rule wants them;
-/// returns the largest change, mm.
+/// Moves the reference frame and the axial positions of rotary axes to fulfil the rule; returns the largest change,
+/// mm.
 pub(crate) fn settle_frame(context: &Context<'_>, frame: &FrameRule, next: &mut State) -> f64 {
     let tilts = frame.lines.iter().map(|&k| next.axes[k].location.tilt_rad);
     let tilts: Vec<Vector3<f64>> = tilts.collect();
@@ -43,7 +43,7 @@ pub(crate) fn settle_frame(context: &Context<'_>, frame: &FrameRule, next: &mut 
     change_mm
 }
 
-/// Where the targets of each run of each axis are at home in the reference frame, mm.
+/// Home positions of the targets of each run of each axis, in the reference frame, mm.
 fn home_positions(context: &Context<'_>, state: &State) -> Vec<Vec<Vec<Point3<f64>>>> {
     let errors = context.errors(state);
     let of_axis = |k: usize| {
@@ -53,8 +53,8 @@ fn home_positions(context: &Context<'_>, state: &State) -> Vec<Vec<Vec<Point3<f6
     (0..context.data.len()).map(of_axis).collect()
 }
 
-/// Takes a motion of the whole out of the frame and of what was found in it: to first order, which the
-/// next pass corrects, so that it begins where this one ended.
+/// Takes a motion of the whole out of the frame and of the values found in it, to first order; the next pass corrects
+/// the rest.
 fn take_out(context: &Context<'_>, motion: &SmallMotion, next: &mut State) {
     let removal = motion.removal();
     next.ref_from_datum = removal * next.ref_from_datum;
@@ -73,7 +73,7 @@ fn take_out(context: &Context<'_>, motion: &SmallMotion, next: &mut State) {
     }
 }
 
-/// How far the targets of a rotary axis are from nominal along it, in the mean.
+/// The mean shift of the targets of a rotary axis from nominal, along the axis.
 fn mean_axial_shift(context: &Context<'_>, state: &State, k: usize, along: Vector3<f64>) -> f64 {
     let (errors, targets) = (context.errors(state), &context.campaign.targets);
     let mut shifts = Vec::new();

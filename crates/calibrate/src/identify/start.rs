@@ -1,8 +1,8 @@
-//! Where the identification starts: the average line or axis of rotation of each axis.
+//! The start of the identification: the average line or axis of rotation of each axis.
 //!
-//! The average line through the traces of all targets gives the direction of a linear axis, the
-//! common axis of their circles that of a rotary one. A machine that is degrees off nominal is then
-//! small errors away from the answer. What the traces of few points do not give stays nominal.
+//! The average line through the traces of all targets gives the direction of a linear axis, the common axis of their
+//! circles that of a rotary one. Even for a machine that is degrees off nominal, the result is then only small errors
+//! away. What traces of few points do not determine stays nominal.
 
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 use trueaxis_fitting::{axis_location, fit_common_axis, fit_line, squareness};
@@ -41,7 +41,7 @@ fn location(context: &Context<'_>, data: &AxisData, run: &RunData) -> Option<Loc
         AxisKind::Rotary => {
             let circles: Vec<&[Point3<f64>]> = traces.iter().map(Vec::as_slice).collect();
             let mut measured = fit_common_axis(&circles).ok()?.axis;
-            // The sense of rotation is the machine's; only the line is wanted here.
+            // The machine defines the sense of rotation; only the line is needed here.
             if measured.direction.dot(&axis.direction()) <= 0.0 {
                 measured.direction = -measured.direction;
             }

@@ -1,4 +1,4 @@
-//! The machine model while it is identified.
+//! The machine model during identification.
 
 use nalgebra::Isometry3;
 use trueaxis_kinematics::{LocationError, MotionError};
@@ -18,6 +18,6 @@ pub(crate) struct AxisState {
     pub(crate) location: LocationError,
     /// Component errors at each node.
     pub(crate) curve: Vec<MotionError>,
-    /// For each run where its body is at home: reference frame from the body's own coordinates.
+    /// For each run the home of its body: reference frame from the body's own coordinates.
     pub(crate) placements: Vec<Isometry3<f64>>,
 }

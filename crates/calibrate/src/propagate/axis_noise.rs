@@ -1,9 +1,9 @@
-//! The joint covariance of what an axis' results follow from.
+//! The joint covariance of the quantities from which an axis' results follow.
 //!
-//! These are its parameters `y` and, for each node, the mean pose error `m_k = mean A_i x_i` of its
-//! records ([`crate::identify::identify_axes::Sensitivity`]): the component errors are `E_k = m_k - Λ_k y`, and what
-//! other axes need of this one is linear in `y` and `m` as well. With the noise of
-//! [`trueaxis_poses`] every linear function `f` of them is
+//! These quantities are the axis' parameters `y` and, for each node, the mean pose error `m_k = mean A_i x_i` of its
+//! records ([`crate::identify::identify_axes::Sensitivity`]). The component errors are `E_k = m_k - Λ_k y`; what
+//! other axes need of this one is linear in `y` and `m`, too. With the noise of [`trueaxis_poses`] every linear
+//! function `f` of these quantities is
 //!
 //! ```text
 //! f = f(ξ) - F s     cov(f, g) = cov(f(ξ), g(ξ)) + F Σ Gᵀ
@@ -70,7 +70,7 @@ pub(crate) struct AxisNoise<'a> {
     parameters_shared: DMatrix<f64>,
 }
 
-/// The same of one node's mean pose error `m`.
+/// The noise of one node's mean pose error `m`.
 struct NodeNoise {
     own: Matrix6<f64>,
     /// Own part of `cov(m, y)`.
@@ -79,7 +79,7 @@ struct NodeNoise {
 }
 
 impl<'a> AxisNoise<'a> {
-    /// Of axis `k` of the data.
+    /// The noise of axis `k` of the data.
     pub(crate) fn new(
         noise: &'a PoseNoise,
         context: &Context<'a>,
@@ -129,8 +129,8 @@ impl<'a> AxisNoise<'a> {
         sum
     }
 
-    /// Of the mean pose errors of some nodes (six rows each): the own part `B` of the covariance of each, that with other
-    /// functions of the axis, and the coefficients of the shared sources `s`.
+    /// For the mean pose errors of some nodes (six rows each): the own part `B` of the covariance of each, the own
+    /// part of that with other functions of the axis, and the coefficients of the shared sources `s`.
     pub(crate) fn mean_errors(
         &self,
         nodes: Range<usize>,
@@ -190,8 +190,8 @@ impl<'a> AxisNoise<'a> {
     }
 }
 
-/// Adds the product of a factor and columns. Column by column in fixed sizes: for such small matrices the general product is mostly
-/// overhead.
+/// Adds the product of a factor and columns, column by column in fixed sizes: the general product of such small
+/// matrices is mostly overhead.
 fn add_product(
     sum: &mut Matrix6xX<f64>,
     factor: &Matrix6<f64>,

@@ -1,9 +1,9 @@
-//! What a small motion of the base of an axis does to its results.
+//! The response of the results of an axis to a small motion of its base.
 //!
-//! The results of an axis are found from poses in the frame of its base, which the axes outside it
-//! carry. If these have the error motion `ξ` during a run, the poses of the run are displaced by
-//! `-ξ` as seen from there. A motion that all runs have in common is location error and place of
-//! the targets; component errors answer only to the difference between runs.
+//! The results of an axis are found from poses in the frame of its base, which the axes outside it carry. If these
+//! have the error motion `ξ` during a run, the poses of the run are displaced by `-ξ` in that frame. A motion common
+//! to all runs enters location errors and positions of the targets; component errors depend only on differences
+//! between runs.
 
 use nalgebra::{DMatrix, Matrix6, MatrixXx6};
 use trueaxis_poses::twist_map;
@@ -13,18 +13,18 @@ use crate::identify::identify_axes::Identified;
 use crate::in_order;
 use crate::propagate::axis_noise::AxisForm;
 
-/// Response of an axis' parameters and mean pose errors to a twist of all poses of a run, given as
-/// by [`trueaxis_kinematics::Twist::rows`].
+/// Response of an axis' parameters and mean pose errors to a twist of all poses of a run, in the form of
+/// [`trueaxis_kinematics::Twist::rows`].
 pub(crate) struct BaseResponse<'a> {
     context: &'a Context<'a>,
     identified: &'a Identified,
     k: usize,
-    /// Of the parameters `y`, six columns for each run.
+    /// Response of the parameters `y`, six columns for each run.
     parameters: DMatrix<f64>,
 }
 
 impl<'a> BaseResponse<'a> {
-    /// Of axis `k` of the data.
+    /// The response of axis `k` of the data.
     pub(crate) fn new(context: &'a Context<'a>, identified: &'a Identified, k: usize) -> Self {
         let (axis, gauge) = (&context.data[k], &identified.gauges[k]);
         let mut new = Self {
@@ -42,7 +42,7 @@ impl<'a> BaseResponse<'a> {
         new
     }
 
-    /// What a twist of its run does to the pose of a record. The pivot moves by v + ρ × p.
+    /// Effect of a twist of its run on the pose of a record. The pivot moves by v + ρ × p.
     fn moved(&self, record: usize) -> Matrix6<f64> {
         let ref_from_datum = self.identified.state.ref_from_datum;
         let datum_from_ref = ref_from_datum.rotation.inverse().to_rotation_matrix();

@@ -1,6 +1,5 @@
-//! How the results depend on the poses: component errors on those of their axis and, through its base, on other
-//! axes ([`crate::propagate::frame_map`]); location errors and stations on all sources
-//! ([`crate::propagate::sources`]).
+//! How the results depend on the poses: component errors on those of their axis and, through its base, of other axes
+//! ([`crate::propagate::frame_map`]); location errors and stations on all sources ([`crate::propagate::sources`]).
 
 use nalgebra::{DMatrix, Matrix6xX, Point3, RowDVector};
 
@@ -13,7 +12,7 @@ use crate::propagate::base_response::BaseResponse;
 use crate::propagate::frame_map::FrameMap;
 use crate::propagate::sources::Sources;
 
-/// Influence of a nest on a location error (mm/mm, rad/mm) below which it is rounding.
+/// Influence of a nest on a location error (mm/mm, rad/mm) below which the influence is rounding.
 const NEST_TOL: f64 = 1e-9;
 
 /// Linear functions of the sources; columns are the sources.
@@ -23,16 +22,16 @@ pub(crate) struct Dependence<'a> {
     pub(crate) sources: Sources,
     /// For each axis, in the order of the data: shift (mm) and tilt (rad), three rows each.
     pub(crate) locations: Vec<DMatrix<f64>>,
-    /// Where the stations are in the reference frame, mm.
+    /// Positions of the stations in the reference frame, mm.
     pub(crate) stations_in_ref: Vec<Point3<f64>>,
     /// For each station x y z and dead path, mm.
     pub(crate) stations: Vec<DMatrix<f64>>,
-    /// For each axis how it answers to motions of its base, and for each run that motion.
+    /// For each axis its response to motions of its base, and for each run that motion.
     bases: Vec<(BaseResponse<'a>, Vec<Matrix6xX<f64>>)>,
 }
 
 impl<'a> Dependence<'a> {
-    /// What was identified, and from what.
+    /// The input and the result of the identification.
     pub(crate) fn parts(&self) -> (&'a Context<'a>, &'a Identified) {
         (self.context, self.identified)
     }
@@ -69,7 +68,7 @@ impl<'a> Dependence<'a> {
         }
     }
 
-    /// The variance that a function of the sources has from its nests, mm² or rad².
+    /// The variance of a function of the sources caused by nests, mm² or rad².
     pub(crate) fn variance_of_nests(&self, coefficients: &RowDVector<f64>) -> f64 {
         let of_nests = self.of_nests(coefficients);
         let variances = of_nests.zip(&self.sources.nest_variances_mm2);
@@ -78,13 +77,13 @@ impl<'a> Dependence<'a> {
             .sum()
     }
 
-    /// Whether row `place` of the location of axis `k` depends on where the nests of the targets are.
+    /// Whether row `place` of the location of axis `k` depends on the positions of the nests of the targets.
     pub(crate) fn depends_on_nests(&self, k: usize, place: usize) -> bool {
         let row = self.locations[k].row(place).into_owned();
         self.of_nests(&row).any(|c| c.abs() > NEST_TOL)
     }
 
-    /// Its coefficients of the coordinates of the nests.
+    /// The coefficients of the nests' coordinates among those of all sources.
     pub(crate) fn of_nests<'c>(
         &self,
         coefficients: &'c RowDVector<f64>,
@@ -97,12 +96,12 @@ impl<'a> Dependence<'a> {
             .copied()
     }
 
-    /// Whether the base of axis `k` may have stood elsewhere in another run.
+    /// Whether the base of axis `k` may have had another position in another run.
     pub(crate) fn has_moving_base(&self, k: usize) -> bool {
         self.bases[k].1.len() > 1
     }
 
-    /// What a record of axis `k` owes to the sources through its base, with the sign of the base's motion: six
+    /// Response of a record of axis `k` to the sources through its base, with the sign of the base's motion: six
     /// rows.
     pub(crate) fn response_to_base(&self, k: usize, record: usize) -> DMatrix<f64> {
         let (response, motions) = &self.bases[k];
@@ -111,8 +110,8 @@ impl<'a> Dependence<'a> {
         DMatrix::from_column_slice(6, rows.ncols(), rows.as_slice())
     }
 
-    /// What functions of axis `k` owe to the errors of its base; `None` if it had one run, so that
-    /// its base stood still.
+    /// Response of functions of axis `k` to the errors of its base; `None` if it has one run, so that its base stands
+    /// still.
     pub(crate) fn through_base(&self, k: usize, form: &AxisForm) -> Option<DMatrix<f64>> {
         if !self.has_moving_base(k) {
             return None;

@@ -6,14 +6,14 @@
 //! r = m + L t - F s      component errors m of a node: own noise B, cov(m, t) = Z; none for other results
 //! ```
 //!
-//! For component errors these are the [`crate::propagate::node_functions`]; for location errors and stations `L` holds
-//! the frame. With the own part `S` of `cov(t)` the covariance of two results is
+//! For component errors `m`, `L` and `F` are those of [`crate::propagate::node_functions`]; for location errors and
+//! stations `L` contains the frame. With the own part `S` of `cov(t)` the covariance of two results is
 //!
 //! ```text
 //! [same node] B + L S Lᵀ + L Zᵀ + Z Lᵀ + F Σ Fᵀ        U = [L Z F]     M = [S I 0; I 0 0; 0 0 Σ]
 //! ```
 //!
-//! and what runs that contradict each other add to the location parameters are columns of their own.
+//! and what contradictory runs add to the location parameters are further columns.
 
 use nalgebra::{DMatrix, DVectorView, Vector6};
 use trueaxis_predict::{FactoredCovariance, Rows};
@@ -22,8 +22,8 @@ use crate::propagate::propagation::{Noise, place_of};
 use crate::result::calibration::{AxisResult, StationResult, widening_of_components};
 use crate::result::numbered::results;
 
-/// Of the results that have their uncertainties from this noise; stations are not widened where runs contradict
-/// each other.
+/// The covariance of the results, whose uncertainties follow from this noise. Contradictory runs do not widen
+/// stations.
 pub(crate) fn factored_covariance(
     noise: &Noise<'_>,
     axes: &[AxisResult],
@@ -31,7 +31,7 @@ pub(crate) fn factored_covariance(
 ) -> FactoredCovariance {
     let dependence = noise.dependence;
     let scales = scales(axes, stations);
-    // Stations stand behind all other sources, and follow from the shared ones alone.
+    // Stations come after all other sources, and depend on the shared ones alone.
     let (sources, width) = (dependence.sources.stations, noise.poses.shared.nrows());
     let behind = 2 * sources..2 * sources + width;
     let (mut own, mut rows) = (Vec::new(), Vec::new());
@@ -102,7 +102,7 @@ pub(crate) fn factored_covariance(
     factors
 }
 
-/// By what each result is widened; zero for what gauge or frame define, where they leave rounding.
+/// Factor by which each result is widened; zero where gauge or frame define it, to remove rounding.
 fn scales(axes: &[AxisResult], stations: &[StationResult]) -> Vec<f64> {
     let components = axes
         .iter()

@@ -1,9 +1,9 @@
 //! The errors of axes, targets, stations and frame as functions of the sources.
 //!
-//! The sources of an axis ([`crate::propagate::sources`]) are found from its points in the frame of its base, as if that were known. In
-//! turn, from the bed outwards, each axis is freed of the errors of the axes outside it where they stood during its runs; the axes inside
-//! it stand still and shift only the targets. The results are relative to the reference frame, which itself moves with the errors of its
-//! lines and anchors.
+//! The sources of an axis ([`crate::propagate::sources`]) are found from its points in the frame of its base, as if
+//! the base were known. One after the other, from the bed outwards, each axis is corrected for the errors of the axes
+//! outside it at their positions during its runs; the axes inside it stand still and shift only the targets. The
+//! results are relative to the reference frame, which itself moves with the errors of its lines and anchors.
 
 use nalgebra::{DMatrix, Isometry3, Matrix3, Matrix3xX, Point3, RowDVector, Vector3};
 use trueaxis_kinematics::{AxisKind, GeometricErrors, Twist};
@@ -20,16 +20,16 @@ pub(crate) struct FrameMap<'a, 's> {
     context: &'a Context<'a>,
     identified: &'a Identified,
     sources: &'s Sources,
-    /// How each axis answers to motions of its base.
+    /// Response of each axis to motions of its base.
     pub(crate) responses: Vec<BaseResponse<'a>>,
-    /// The sources freed of the errors of the axes outside.
+    /// The sources, corrected for the errors of the axes outside.
     net: DMatrix<f64>,
-    /// For each axis the error of its place along itself; zero for linear axes.
+    /// For each axis the error of its position along itself; zero for linear axes.
     axial: DMatrix<f64>,
 }
 
-/// The place of an axis along itself depends on those of the axes it shares targets with, and the targets of axes inside it depend on
-/// that: exactly as the nominal directions say but for the errors of the axes, so the second sweep confirms the first.
+/// An axis' position along itself depends on those of axes that share its targets, and targets of axes inside it
+/// depend on it. Nominal directions describe this but for errors of the axes, so the second sweep confirms the first.
 const AXIAL_SWEEPS: usize = 3;
 
 impl<'a, 's> FrameMap<'a, 's> {
@@ -66,8 +66,8 @@ impl<'a, 's> FrameMap<'a, 's> {
         a * self.net.row(first) + b * self.net.row(first + 1)
     }
 
-    /// Frees the sources of all axes of the errors outside them, and finds the places of rotary
-    /// axes along themselves; returns the error motion of the frame.
+    /// Corrects the sources of all axes for the errors outside them, and finds the positions of rotary axes along
+    /// themselves; returns the error motion of the frame.
     pub(crate) fn settle(&mut self) -> Twist {
         let mut frame = Twist::zero(self.sources.count);
         for _ in 0..AXIAL_SWEEPS {
@@ -78,7 +78,7 @@ impl<'a, 's> FrameMap<'a, 's> {
         frame
     }
 
-    /// One axis after the other, from the bed outwards.
+    /// Corrects one axis after the other, from the bed outwards.
     fn free_from_bases(&mut self) {
         for k in self.context.outwards() {
             let own = &self.sources.axes[k];
@@ -115,7 +115,7 @@ impl<'a, 's> FrameMap<'a, 's> {
         rows
     }
 
-    /// The error motion of axis `k` where it stands, in the frame of its own base.
+    /// The error motion of axis `k` at a position, in the frame of its own base.
     fn twist_of(&self, k: usize, position: f64) -> Twist {
         let axis = self.context.axis(k);
         let location = self.identified.state.axes[k].location;
@@ -123,7 +123,7 @@ impl<'a, 's> FrameMap<'a, 's> {
         axis_twist(axis, position, &location, &error).through(&self.axis_errors(k, position))
     }
 
-    /// The error motion of some axes in the reference frame, given in the order of a chain; `base` is the motion of what is outside them.
+    /// The error motion of axes in the order of their chain, in the reference frame; `base` moves all outside them.
     fn twist_of_chain(&self, base: Isometry3<f64>, chain: &[usize], positions: &[f64]) -> Twist {
         let errors = self.errors();
         let mut sum = Twist::zero(self.sources.count);
@@ -137,25 +137,25 @@ impl<'a, 's> FrameMap<'a, 's> {
         sum
     }
 
-    /// The error motion of an axis' base in a run; the axes outside are the same for all targets.
+    /// The error motion of an axis' base in a run; all targets have the same axes outside.
     pub(crate) fn base_motion(&self, k: usize, run: usize) -> Twist {
         let run = &self.context.data[k].runs[run];
         self.twist_of_chain(Isometry3::identity(), &run.outer, &run.positions)
     }
 
-    /// The base of an axis in a run.
+    /// The motion of an axis' base in a run.
     fn base(&self, k: usize, run: usize) -> Isometry3<f64> {
         let run = &self.context.data[k].runs[run];
         self.errors().chain_motion(&run.outer, &run.positions)
     }
 
-    /// Rotation from the axis' base: other rotary axes stand at home, so it is all but none.
+    /// Rotation from the axis' base: nearly none, because other rotary axes stand at home.
     fn turn(&self, k: usize) -> Matrix3<f64> {
         self.base(k, 0).rotation.to_rotation_matrix().into_inner()
     }
 
-    /// Errors of the targets' home positions relative to their nests, in the reference frame before that is settled, and where the targets
-    /// are. Deformations of the shape are left out: they are none of the motions from which the frame follows.
+    /// Errors of the targets' home positions relative to their nests, in the reference frame before it is settled,
+    /// and the positions of the targets. Deformations of the shape are left out: the frame follows from none of them.
     fn targets(&self, k: usize, r: usize) -> Vec<(Matrix3xX<f64>, Point3<f64>)> {
         let (run, errors) = (&self.context.data[k].runs[r], self.errors());
         let base = self.base(k, r);
@@ -227,7 +227,7 @@ impl<'a, 's> FrameMap<'a, 's> {
         rows
     }
 
-    /// Finds the errors of the places of rotary axes along themselves, from what is left of the shifts of their targets.
+    /// Finds the errors of the positions of rotary axes along themselves, from the rest of their targets' shifts.
     fn find_axial(&mut self, frame: &Twist) {
         let rule = &self.identified.frame;
         let left = (0..self.context.data.len()).map(|k| match rule.is_placed(k) {
@@ -238,7 +238,7 @@ impl<'a, 's> FrameMap<'a, 's> {
         self.axial += rule.axial_places(&left);
     }
 
-    /// Error of the mean shift of an axis' targets along it: one row.
+    /// Error of the mean shift of an axis' targets along the axis: one row.
     fn axial_shift(&self, k: usize, frame: &Twist) -> RowDVector<f64> {
         let along = self.turn(k) * self.context.axis(k).direction().into_inner();
         let mut sum = RowDVector::zeros(self.sources.count);

@@ -6,7 +6,7 @@
 //! E = m + L t - F s     cov(E) = B + L S Lᵀ + L Zᵀ + Z Lᵀ + F Σ Fᵀ     B = cov(m), Z = cov(m, t), S = cov(t): own parts
 //! ```
 //!
-//! `L` holds the gauge, as the parameters of an axis are among its sources, and the bases that move.
+//! `L` contains the gauge, as the parameters of an axis are among its sources, and the bases that move.
 
 use std::ops::Range;
 
@@ -37,7 +37,7 @@ pub(crate) struct NodeFunctions {
 }
 
 impl Noise<'_> {
-    /// What `f` makes of the functions of the nodes of axis `k`, some after the other; `f` gets their first node, too.
+    /// The results of `f` for the functions of some nodes of axis `k` at a time; `f` also gets the first node.
     pub(crate) fn of_nodes<T: Send>(
         &self,
         k: usize,
@@ -59,7 +59,7 @@ impl Noise<'_> {
         let own_sources = &dependence.sources.axes[k];
         let form = AxisForm::component_errors(gauge, nodes.clone());
         let rows = form.parameters.nrows();
-        // Most axes have one run, during which their base stands still: only their own sources enter.
+        // The base of an axis with one run, as most have, stands still: only the axis' own sources enter.
         let through_base = dependence.through_base(k, &form);
         let sources: Vec<usize> = match &through_base {
             Some(_) => (0..dependence.sources.stations).collect(),
@@ -91,7 +91,7 @@ impl Noise<'_> {
         }
     }
 
-    /// What errors of the sources make of the component errors of axis `k` through a base that moves.
+    /// The effect of errors of the sources on the component errors of axis `k` through a base that moves.
     pub(crate) fn through_base(&self, k: usize, errors: &DVector<f64>) -> Vec<f64> {
         let count = self.dependence.context.data[k].nodes.len();
         let gauge = &self.dependence.identified.gauges[k];

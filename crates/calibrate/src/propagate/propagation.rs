@@ -1,11 +1,10 @@
 //! Standard uncertainties of all results, with their budget and degrees of freedom.
 //!
-//! Every result is a linear function of the poses' errors, propagated twice: for the whole noise
-//! and for the instrument's own part of it. Each variance has a part with the stations known and
-//! one that comes through them.
+//! Every result is a linear function of the poses' errors, propagated twice: for the whole noise and for the
+//! instrument's own part of it. Each variance has a part with the stations known and a part that comes through them.
 //!
-//! Component errors do not depend on the reference frame: the gauge removes a rigid motion of the
-//! whole. Location errors and stations do ([`crate::propagate::dependence`]).
+//! Component errors do not depend on the reference frame, because the gauge removes a rigid motion of the whole.
+//! Location errors and stations do ([`crate::propagate::dependence`]).
 
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix6};
 use trueaxis_kinematics::LocationComponent;
@@ -22,18 +21,18 @@ use crate::result::budget::Budget;
 pub(crate) struct Propagation<'a, 'i> {
     pub(crate) dependence: &'a Dependence<'a>,
     pub(crate) whole: Noise<'a>,
-    /// The instrument's own part of it.
+    /// The instrument's own part of the noise.
     instrument: Noise<'i>,
-    /// Of the variance factors of the two parts.
+    /// Relative covariance of the variance factors of the two parts.
     relative_covariance: Matrix2<f64>,
 }
 
-/// The errors of what the results follow from, for one origin of noise.
+/// The errors of the quantities from which the results follow, for one source of noise.
 pub(crate) struct Noise<'a> {
     pub(crate) dependence: &'a Dependence<'a>,
     pub(crate) axes: Vec<AxisNoise<'a>>,
     pub(crate) sources: SourceNoise,
-    /// Of the poses.
+    /// Noise of the poses.
     pub(crate) poses: &'a PoseNoise,
 }
 
@@ -47,7 +46,7 @@ pub(crate) struct Uncertainty {
     pub(crate) budget: Budget,
 }
 
-/// Place of a location error among shift and tilt.
+/// Index of a location error among shift and tilt.
 pub(crate) fn place_of(component: LocationComponent) -> usize {
     match component {
         LocationComponent::Offset(i) => i,
@@ -69,8 +68,8 @@ impl<'a: 'i, 'i> Propagation<'a, 'i> {
         }
     }
 
-    /// Lets the location parameters of axis `k` have independent errors beside the noise, with these standard
-    /// deviations, mm and rad.
+    /// Gives the location parameters of axis `k` independent errors beside the noise, with these standard deviations,
+    /// mm and rad.
     pub(crate) fn add_to_location(&mut self, k: usize, errors: &[DVector<f64>]) {
         let sources = &self.dependence.sources;
         let of_sources = errors.iter().map(|error| {
@@ -82,7 +81,7 @@ impl<'a: 'i, 'i> Propagation<'a, 'i> {
         self.whole.sources.scatter.extend(of_sources);
     }
 
-    /// Of the component errors of axis `k`: for each node δ and ε.
+    /// Uncertainties of the component errors of axis `k`: δ and ε for each node.
     pub(crate) fn components(&self, k: usize) -> Vec<[Uncertainty; 6]> {
         let [whole, instrument] = [&self.whole, &self.instrument].map(|noise| noise.components(k));
         in_order::map(whole.len(), |node| {
@@ -91,17 +90,17 @@ impl<'a: 'i, 'i> Propagation<'a, 'i> {
         })
     }
 
-    /// Of the location errors of axis `k`: shift and tilt.
+    /// Uncertainties of the location errors of axis `k`: shift and tilt.
     pub(crate) fn location(&self, k: usize) -> [Uncertainty; 6] {
         self.of_sources(&self.dependence.locations[k])
     }
 
-    /// Of a station: x y z and dead path.
+    /// Uncertainties of a station: x y z and dead path.
     pub(crate) fn station(&self, j: usize) -> [Uncertainty; 4] {
         self.of_sources(&self.dependence.stations[j])
     }
 
-    /// Of functions of the sources, one for each row.
+    /// Uncertainties of functions of the sources, one for each row.
     pub(crate) fn of_sources<const N: usize>(&self, rows: &DMatrix<f64>) -> [Uncertainty; N] {
         let whole = self.whole.of_sources(rows);
         let instrument = self.instrument.of_sources(rows);
@@ -116,7 +115,7 @@ impl<'a: 'i, 'i> Propagation<'a, 'i> {
         })
     }
 
-    /// From the variances without what is `known` of the nests.
+    /// An uncertainty from these variances, to which `known` adds that of the nests.
     fn stated(&self, whole: &Variance, instrument: &Variance, known: f64) -> Uncertainty {
         let mut budget = if whole.is_defined_away() {
             Budget::default()
@@ -159,7 +158,7 @@ impl<'a> Noise<'a> {
         map * self.poses.own[pose] * map.transpose()
     }
 
-    /// `C`: what the same pose error owes to the sources of the bases, and to those that all poses share.
+    /// `C`: coefficients of the same pose error for the sources of the bases, and for those that all poses share.
     pub(crate) fn sources_of_record(&self, k: usize, record: usize) -> [DMatrix<f64>; 2] {
         let (context, identified) = self.dependence.parts();
         let pose = context.data[k].records[record].pose;

@@ -1,9 +1,9 @@
 //! The quantities of each axis on which location errors and stations depend.
 //!
-//! Each axis contributes its location parameters, the places of its bodies on the stage, and its
-//! component errors where it stands while others are measured: linear functions of its parameters
-//! and mean pose errors ([`crate::propagate::axis_noise`]). The stations are functions of the shared sources alone.
-//! What the frame takes from the nominal positions of the targets depends on how well their nests were set.
+//! Each axis contributes its location parameters, the placements of its bodies on the stage, and its component errors
+//! at positions where it stands while others are measured: linear functions of its parameters and mean pose errors
+//! ([`crate::propagate::axis_noise`]). The stations are functions of the shared sources alone. What the frame takes
+//! from the nominal positions of the targets depends on how well their nests were set.
 
 use nalgebra::{DMatrix, DVector};
 use trueaxis_poses::PoseNoise;
@@ -13,20 +13,20 @@ use crate::identify::gauge::PER_RUN;
 use crate::identify::identify_axes::Identified;
 use crate::propagate::axis_noise::{AxisForm, AxisNoise, PosePart};
 
-/// All quantities and their places.
+/// All quantities and their indices.
 pub(crate) struct Sources {
     /// Number of quantities.
     pub(crate) count: usize,
     /// First location parameter of each axis.
     pub(crate) location: Vec<usize>,
-    /// For each axis and run the first of the six of the body's twist on the stage: translation of the
+    /// For each axis and run the first of the six quantities of the body's twist on the stage: translation of the
     /// axis' reference point (mm), then rotation (rad), seen from the base.
     pub(crate) placements: Vec<Vec<usize>>,
-    /// Where other axes stand.
+    /// Positions where axes stand while others are measured.
     held: Vec<Held>,
     /// First unknown of the first station (x y z L each); they are the last.
     pub(crate) stations: usize,
-    /// First coordinate of the first target's nest: how far it is from its nominal position, mm.
+    /// First coordinate of the first target's nest: its distance from nominal, mm.
     pub(crate) nests: usize,
     /// Declared variance of each coordinate of each nest, mm²; zero where none is declared.
     pub(crate) nest_variances_mm2: Vec<f64>,
@@ -36,7 +36,7 @@ pub(crate) struct Sources {
 
 /// The quantities of one axis.
 pub(crate) struct OwnSources {
-    /// Their places among all: location parameters, placements, held component errors.
+    /// Their indices among all: location parameters, placements, held component errors.
     pub(crate) places: Vec<usize>,
     /// How they follow from the axis' parameters and mean pose errors.
     pub(crate) form: AxisForm,
@@ -49,7 +49,7 @@ struct Held {
     data: usize,
     /// Position, mm or rad.
     position: f64,
-    /// First of its six places.
+    /// First of its six indices.
     first: usize,
 }
 
@@ -59,13 +59,13 @@ pub(crate) struct SourceNoise {
     pub(crate) own: DMatrix<f64>,
     /// Coefficients of the shared sources.
     pub(crate) shared: DMatrix<f64>,
-    /// Errors beside the noise, independent of it and of each other: the standard deviation of each in all quantities.
-    /// What an axis' own component errors owe to its parameters is free of them.
+    /// Errors beside the noise, independent of it and of each other: the standard deviation of each in all
+    /// quantities. They do not enter an axis' component errors through its own parameters.
     pub(crate) scatter: Vec<DVector<f64>>,
 }
 
 impl SourceNoise {
-    /// The variances that these make of functions of the quantities, one for each row.
+    /// The variances that these errors cause in functions of the quantities, one for each row.
     pub(crate) fn scatter_of(&self, rows: &DMatrix<f64>) -> DVector<f64> {
         let none = DVector::zeros(rows.nrows());
         let squares = self
@@ -153,7 +153,7 @@ impl Sources {
             [sigma_mm * sigma_mm; 3]
         });
         let nests = take(3 * targets.len());
-        // Behind all that is no function of the shared sources alone.
+        // Last, because stations depend on the shared sources alone.
         let stations = take(4 * stations);
         Self {
             count: next,
@@ -167,7 +167,7 @@ impl Sources {
         }
     }
 
-    /// The place of a held axis' component errors.
+    /// The first index of a held axis' component errors.
     pub(crate) fn held_at(&self, data: usize, position: f64) -> Option<usize> {
         find(&self.held, data, position)
     }
@@ -190,7 +190,7 @@ impl Sources {
             }
             places.extend(place.first..place.first + 6);
         }
-        // Location parameters and placements are the axis' parameters themselves.
+        // Location parameters and placements are parameters of the axis.
         let mut parameters = DMatrix::zeros(places.len(), gauge.parameters());
         parameters.fill_diagonal(1.0);
         for (i, place) in held.iter().enumerate() {

@@ -2,8 +2,7 @@
 
 use trueaxis_poses::ThroughSources;
 
-/// Variance with the stations known, relative to the variances that cancel in it, below which it is
-/// rounding.
+/// Variance with the stations known, relative to the variances that cancel in it, below which it is rounding.
 const CANCELLED: f64 = 1e-12;
 
 /// A variance in its parts.
@@ -11,16 +10,16 @@ const CANCELLED: f64 = 1e-12;
 pub(crate) struct Variance {
     /// With the stations known.
     pub(crate) own: f64,
-    /// What comes through the stations, and what all that is declared does.
+    /// Through stations, dead paths and datum, declared parts included.
     pub(crate) through: f64,
-    /// Of that, what is declared.
+    /// The declared part of `through`.
     pub(crate) declared: f64,
-    /// Sum of the variances whose combination `own` is.
+    /// Sum of the variances that combine to `own`.
     pub(crate) uncancelled: f64,
 }
 
 impl Variance {
-    /// From `own` beside what comes through shared sources, and that.
+    /// From `own` without shared sources, and the variances that come through them.
     pub(crate) fn new(own: f64, uncancelled: f64, through: &ThroughSources) -> Self {
         Self {
             own: own + through.shapes,
@@ -30,8 +29,8 @@ impl Variance {
         }
     }
 
-    /// Whether gauge or frame define the function, so that it does not depend on the points: every
-    /// point has noise of its own, so nothing else has no variance with the stations known.
+    /// Whether gauge or frame define the function, so that it does not depend on the points. Every point has noise of
+    /// its own, so no other function has zero variance with the stations known.
     pub(crate) fn is_defined_away(&self) -> bool {
         self.own < CANCELLED * self.uncancelled
     }

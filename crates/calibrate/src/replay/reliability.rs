@@ -1,7 +1,7 @@
-//! Which error of a length would be noticed, and what one that is not does to the results.
+//! Which error of a length would be found, and how an undetected one changes the results.
 //!
-//! Internal reliability is the minimal detectable error of each length (of `trueaxis-screening`); external reliability is what an error of
-//! that size, unnoticed, does to each result. It goes through the whole calibration ([`Replay::responses`]).
+//! Internal reliability is the minimal detectable error of each length (of `trueaxis-screening`); external
+//! reliability its effect on each result if undetected, through the whole calibration ([`Replay::responses`]).
 
 use nalgebra::DMatrix;
 use trueaxis_montecarlo::Model;
@@ -15,8 +15,8 @@ use crate::replay::Replay;
 pub struct LengthsReliability {
     /// The used lengths in measuring order.
     pub lengths: Vec<LengthReliability>,
-    /// What the minimal detectable error of each length (row) does to each result (column, in the
-    /// order and units of [`Replay::results`]); zero where nothing checks the length.
+    /// The effect of the minimal detectable error of each length (row) on each result (column, in the order and units
+    /// of [`Replay::results`]); zero where nothing checks the length.
     pub effects: DMatrix<f64>,
 }
 
@@ -29,7 +29,7 @@ pub struct LengthReliability {
     pub redundancy: f64,
     /// Smallest error that is found with a probability of 80 %, mm; infinite where nothing checks the length.
     pub minimal_detectable_mm: f64,
-    /// The result on which that error acts most, measured in its standard uncertainty, and how many of these.
+    /// The result on which that error has the largest effect in units of its standard uncertainty, and that effect.
     pub worst: (usize, f64),
 }
 

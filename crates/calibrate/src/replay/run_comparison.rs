@@ -1,14 +1,14 @@
-//! The runs of an axis against each other, as data for whoever looks for the cause of a contradiction.
+//! Comparison of the runs of an axis, as data for the search for the cause of a contradiction.
 //!
-//! Where runs with other axes parked elsewhere share positions, the pose errors of their records are, with the
-//! noise of the poses and of the bases (notation of the misfit of runs in the report),
+//! Where runs with other axes parked elsewhere share positions, the pose errors of their records are, with the noise
+//! of the poses and of the bases (notation as in the misfit of runs of the report),
 //!
 //! ```text
 //! e_i = E_n + Λ_i g_r + A_i ξ_i + C_i t        V = diag(A D Aᵀ) + C S Cᵀ
 //! ```
 //!
-//! Here all of it is whitened by the Cholesky factor of `V`: the observations, and the columns of `E` and `g`,
-//! which the runs may have in common or of their own whatever happens.
+//! Here everything is whitened by the Cholesky factor of `V`: the observations, and the columns of `E` and `g`, which
+//! may always be common to the runs or differ between them.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector6};
 use trueaxis_campaign::Direction;
@@ -28,15 +28,15 @@ pub struct RunComparison {
     pub runs: Vec<String>,
     /// Whitened pose errors, six for each record.
     pub observations: Vec<f64>,
-    /// Whitened columns of what the runs have in common, and of what each has for itself.
+    /// Whitened columns of what the runs share, and of what each run has alone.
     pub base: Vec<Vec<f64>>,
     /// Standard deviation of the position of one record, mean over the records and directions, mm.
     pub sigma_mm: f64,
-    /// What was compared, in the order of the observations.
+    /// The compared poses, in the order of the observations.
     pub poses: Vec<ComparedPose>,
-    /// Its records among those of its axis.
+    /// Indices of the records among those of the axis.
     records: Vec<usize>,
-    /// Place among the axes of the calibration.
+    /// Index among the axes of the calibration.
     data: usize,
     factor: Cholesky<f64, Dyn>,
     /// Unit of each observation: mm and rad of one axis differ by orders of magnitude.
@@ -50,11 +50,11 @@ pub struct ComparedPose {
     pub run: usize,
     /// Position of the axis, mm or rad.
     pub position: f64,
-    /// Side of approach, where the two are kept apart.
+    /// Side of approach, if the sides are kept apart.
     pub direction: Option<Direction>,
 }
 
-/// Records that are compared at most: of more, evenly spaced positions are as telling, and the work grows with
+/// Most records that are compared: further positions than these, evenly spaced, show no more, and the work grows with
 /// the cube.
 const MOST_RECORDS: usize = 240;
 
@@ -72,15 +72,15 @@ impl Replay<'_> {
             .collect()
     }
 
-    /// The lengths that a calibration uses, by their numbers in measuring order; none of a campaign of points.
+    /// The lengths that a calibration uses, by their numbers in measuring order; empty for a points campaign.
     pub fn used_lengths(&self) -> &[usize] {
         self.trials.used_lengths()
     }
 }
 
 impl Responses<'_> {
-    /// By how much errors of the used lengths (mm, as in [`Responses::to`]) change the whitened observations of
-    /// comparisons; `None` if they do not settle.
+    /// Changes of the whitened observations of comparisons by errors of the used lengths (mm, as in
+    /// [`Responses::to`]); `None` if the identification does not settle.
     pub fn of_runs_to(
         &mut self,
         comparisons: &[RunComparison],
@@ -133,13 +133,13 @@ impl RunComparison {
     }
 }
 
-/// Six numbers of each record, one under the other.
+/// Six numbers of each record, in one column.
 fn stacked(records: &[usize], of_record: impl Fn(usize) -> Vector6<f64>) -> DVector<f64> {
     let parts = records.iter().map(|&i| of_record(i)).collect::<Vec<_>>();
     DVector::from_iterator(6 * parts.len(), parts.iter().flatten().copied())
 }
 
-/// The runs of axis `k`; `None` if there is one, if none share a position, or if the noise of the poses is not known.
+/// The comparison of the runs of axis `k`; `None` if none share a position or the poses' noise is not known.
 fn comparison(
     dependence: &Dependence<'_>,
     noise: &PoseNoise,

@@ -1,17 +1,17 @@
-//! A calibration of lengths from which known effects were taken out.
+//! A calibration of lengths from which known effects were removed.
 //!
-//! With the effects' values `θ` each length loses what they do to it (exact distances at the adjusted geometry, [`EffectsOnLengths`]), and
-//! everything is calibrated anew. The values are estimates with a covariance `C`. They come from the residuals of the adjustment, which
-//! are uncorrelated with what is adjusted, so that variances add:
+//! With the effects' values `θ` each length loses what the effects do to it (exact distances at the adjusted
+//! geometry, [`EffectsOnLengths`]), and everything is calibrated anew. The values are estimates with a covariance `C`
+//! from the residuals of the adjustment, which are uncorrelated with the adjusted values, so that variances add:
 //!
 //! ```text
 //! cov(x) = cov(x; θ known) + J C Jᵀ        J = ∂x/∂θ
 //! ```
 //!
-//! For the joint adjustment, in which a diagnosis estimates θ, this is exact to first order; the nine equations weight the points almost
-//! as it does, so that it holds closely for them. `J C Jᵀ` is summed over the columns of a square root of `C`: each moves θ by one
-//! standard deviation, and what that does to the lengths goes through the whole calibration ([`crate::Replay::responses`]). Shapes
-//! (instants, time constants) are taken as known.
+//! For the joint adjustment, in which a diagnosis estimates θ, this is exact to first order, and nearly so for the
+//! nine equations, which weight the points almost as it does. `J C Jᵀ` is summed over the columns of a square root of
+//! `C`: each moves θ by one standard deviation, and the change of the lengths goes through the whole calibration
+//! ([`crate::Replay::responses`]). Shapes (instants, time constants) count as known.
 
 use nalgebra::{DMatrix, DVector};
 use trueaxis_campaign::Campaign;
@@ -22,10 +22,10 @@ use crate::replay::calibrate_for_replay;
 use crate::result::calibration::Calibration;
 use crate::{Error, Settings};
 
-/// Calibrates the lengths of a campaign less what `effects` do to them; these must have been resolved in the scene of this campaign
-/// ([`scene_of`]).
+/// Calibrates the lengths of a campaign less what `effects` do to them; the effects must be resolved in the scene of
+/// this campaign ([`scene_of`]).
 ///
-/// Without a covariance the effects are taken as exact.
+/// Without a covariance the effects count as exact.
 ///
 /// # Errors
 /// Those of [`crate::calibrate()`], and [`trueaxis_poses::Error::EffectsWithoutLengths`].
@@ -58,10 +58,10 @@ pub fn calibrate_with_effects(
     Ok(calibration)
 }
 
-/// Correlations with eigenvalues below this are rounding: the direction is known.
+/// Correlations with eigenvalues below this are rounding: the direction is known exactly.
 const KNOWN_DIRECTION: f64 = 1e-12;
 
-/// `R` with `R Rᵀ` the covariance, from the eigenvectors of the correlations; columns without variance are left out.
+/// `R` with `R Rᵀ` the covariance, from the eigenvectors of the correlations, without columns of zero variance.
 fn root(covariance: &[Vec<f64>]) -> DMatrix<f64> {
     let count = covariance.len();
     let u = DVector::from_fn(count, |i, _| covariance[i][i].sqrt());

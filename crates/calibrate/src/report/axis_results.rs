@@ -34,7 +34,7 @@ pub(crate) fn axis_results(
     axes
 }
 
-/// For each axis how the sides of approach differ that share its curves.
+/// For each axis the difference between sides of approach that share its curves.
 fn side_differences(
     measured: &MeasuredPoses<'_>,
     dependence: &Dependence<'_>,

@@ -1,4 +1,4 @@
-//! Linear axes at 20 °C (ISO 1): what their thermal expansion did is taken out of the positioning errors.
+//! Linear axes at 20 °C (ISO 1): their thermal expansion is taken out of the positioning errors.
 //!
 //! At the temperature T an axis with the expansion coefficient α travels longer by `α (T - 20 °C) q`. With the
 //! temperature T at which all lengths hold ([`trueaxis_poses::at_one_temperature`]),
@@ -7,7 +7,7 @@
 //! E(20 °C) = E - α (T - 20 °C) q d     u² grows by (α q u(T) d)²     d: direction of the axis
 //! ```
 //!
-//! u(T) is one error of the thermometer, common to the axis. α is taken as it is declared.
+//! u(T) is one error of the thermometer, common to the axis. The declared α counts as exact.
 
 use nalgebra::Vector3;
 use trueaxis_campaign::{AxisExpansion, Campaign, Lengths, LoggedQuantity};
@@ -19,13 +19,13 @@ use trueaxis_predict::Output;
 /// The reference temperature of ISO 1, °C.
 const REFERENCE_C: f64 = 20.0;
 
-/// Few halls are farther from it, K.
+/// Distance from the reference temperature that few halls exceed, K.
 const FAR_K: f64 = 15.0;
 
 /// µm per m.
 const PPM: f64 = 1e-6;
 
-/// Refers the axes that declare their expansion to 20 °C, and says at what temperature the others are.
+/// Refers the axes that declare their expansion to 20 °C, and gives a notice of the temperature of the others.
 pub(crate) fn refer_to_20_degrees(campaign: &Campaign, calibration: &mut Calibration) {
     let Some(lengths) = &campaign.lengths else {
         return;
@@ -67,8 +67,8 @@ fn is_logged(lengths: &Lengths, expansion: &AxisExpansion) -> bool {
     column.is_some_and(|column| column.values.iter().any(Option::is_some))
 }
 
-/// What an axis travels longer than at 20 °C at the temperature at which its lengths hold, for each mm of its position;
-/// nothing where it is not referred to 20 °C.
+/// Expansion of an axis from 20 °C to the temperature at which its lengths hold, for each mm of its position; zero
+/// where the axis is not referred to 20 °C.
 pub(crate) fn since_20_degrees(campaign: &Campaign, axis: usize) -> Vector3<f64> {
     let own = campaign.expansions.iter().find(|e| e.axis == axis);
     let since = own.and_then(|own| {
@@ -112,7 +112,7 @@ fn refer(campaign: &Campaign, calibration: &mut Calibration, k: usize, expansion
     calibration.add_uncertainty(machine, &changes, |budget| &mut budget.systematic);
 }
 
-/// At what temperature the scale of linear axes without a declared expansion holds, if one was logged.
+/// The temperature at which the scale of linear axes without a declared expansion holds, if one was logged.
 fn scale_holds_at(campaign: &Campaign, lengths: &Lengths, axes: &[AxisResult]) -> Option<String> {
     let declared = |axis: &AxisResult| campaign.expansions.iter().any(|e| e.axis == axis.axis);
     let open = axes

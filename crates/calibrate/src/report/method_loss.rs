@@ -1,8 +1,8 @@
 //! What other methods would lose on the same lengths.
 //!
-//! The points that the same lengths have without rigid stages make poses by nine or six equations. Their
-//! noise goes through the dependence of the results on the poses, which is that of the joint adjustment: no
-//! second search and no second identification.
+//! The points of the same lengths without rigid stages give poses by nine or six equations. Their noise goes through
+//! the dependence of the results on the poses, which is that of the joint adjustment: nothing is screened or
+//! identified again.
 
 use trueaxis_poses::{NoiseByEquations, PoseNoise};
 

@@ -1,4 +1,4 @@
-//! What the campaign says of home and targets, against what was measured.
+//! Home and targets as in the campaign, compared with the measurement.
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_campaign::Campaign;
@@ -6,10 +6,10 @@ use trueaxis_kinematics::{Axis, AxisKind};
 
 use crate::result::calibration::{AxisResult, TargetResult};
 
-/// A nominal distance between targets that is this wrong, mm, is no matter of how nests are set.
+/// Difference of a distance between targets from nominal, mm, that is too large for badly set nests.
 const ELSEWHERE_MM: f64 = 10.0;
 
-/// Linear axes that never come home: what their results refer to there is out of reach.
+/// The notice about linear axes that never reach home, to which their results refer.
 pub(crate) fn homes_out_of_reach(campaign: &Campaign, measured: &[AxisResult]) -> Option<String> {
     let axes = measured
         .iter()
@@ -44,8 +44,8 @@ pub(crate) fn homes_out_of_reach(campaign: &Campaign, measured: &[AxisResult]) -
     ))
 }
 
-/// Targets of one stage that are not where the campaign says they are, relative to the others there. Where those on
-/// the bed should be matters to nothing.
+/// The notice about targets of one stage that are not at their nominal positions relative to the others. Nominal
+/// positions of targets on the bed do not matter.
 pub(crate) fn targets_elsewhere(campaign: &Campaign, measured: &[TargetResult]) -> Vec<String> {
     let places = measured.iter().filter_map(|found| {
         let target = campaign.targets.iter().find(|t| t.name == found.name)?;
@@ -57,7 +57,7 @@ pub(crate) fn targets_elsewhere(campaign: &Campaign, measured: &[TargetResult]) 
     stages.filter_map(elsewhere_on_stage).collect()
 }
 
-/// The carrier of a target, where it should be, mm, and where it is.
+/// The carrier of a target, its nominal position, mm, and the measured one.
 type OnStage<'a> = (usize, Point3<f64>, &'a TargetResult);
 
 fn elsewhere_on_stage(targets: &[OnStage<'_>]) -> Option<String> {

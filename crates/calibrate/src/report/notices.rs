@@ -6,18 +6,18 @@ use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 use crate::report::nominal_positions::{homes_out_of_reach, targets_elsewhere};
 use crate::result::calibration::{AxisResult, Calibration, NodeResult, StationResult};
 
-/// A paced-off position of a station is right to this, mm.
+/// Error of a paced-off position of a station, mm.
 const APPROXIMATE_MM: f64 = 500.0;
 
-/// Linear errors and tilts beyond these are worth a word: no machine in use is that bad, a mistyped
-/// position or direction is.
+/// Linear errors and tilts beyond these get a notice: no machine in use is that bad, but a mistyped position or
+/// direction is.
 const ABSURD_MM: f64 = 1.0;
 const ABSURD_RAD: f64 = 5e-3;
 
-/// Nor is a laser in corrected air off by so much.
+/// A scale beyond this gets a notice: no laser in corrected air is that bad.
 const ABSURD_SCALE: f64 = 50e-6;
 
-/// What there is to say of a calibration beyond the notices of its poses.
+/// The notices about a calibration beside those about its poses.
 pub(crate) fn notices(
     campaign: &Campaign,
     calibration: &Calibration,
@@ -46,9 +46,8 @@ pub(crate) fn notices(
     notices
 }
 
-/// Whether the joined curve of an axis is the mean of two that differ. Along, or about, the axis that is the mean
-/// reversal value of ISO 230-2, positions where the axis moves forward minus those where it moves backward: the opposite of
-/// lost motion.
+/// The notice that the joined curve of an axis is the mean of two that differ. For the positioning error the
+/// difference is the mean reversal value of ISO 230-2, forward less backward: the opposite of lost motion.
 fn differing_sides(campaign: &Campaign, axis: &AxisResult) -> Option<String> {
     let (name, sides) = (&axis.name, axis.sides?);
     let significance = |c: &Component| (sides.value[c.index()] / sides.u[c.index()]).abs();
@@ -72,7 +71,7 @@ fn differing_sides(campaign: &Campaign, axis: &AxisResult) -> Option<String> {
     ))
 }
 
-/// Whether the curves of an axis are the mean of runs that contradict each other.
+/// The notice that the curves of an axis are the mean of contradictory runs.
 fn contradicting_runs(axis: &AxisResult) -> Option<String> {
     let runs = axis.runs.as_ref()?;
     let (size, unit) = unit_of(runs.component);
@@ -91,7 +90,7 @@ fn contradicting_runs(axis: &AxisResult) -> Option<String> {
     ))
 }
 
-/// Size and name of the unit in which a component error is said.
+/// Size and name of the unit in which a component error is stated.
 fn unit_of(component: Component) -> (f64, &'static str) {
     match component.is_angular() {
         true => (ARCSEC, "″"),
@@ -120,7 +119,7 @@ fn unmeasured_axes(campaign: &Campaign, measured: &[AxisResult]) -> Option<Strin
     })
 }
 
-/// Two positions are where their mean line says.
+/// The notice about an axis with two positions, whose straightness is zero by definition.
 fn without_straightness(axis: &AxisResult) -> Option<String> {
     (axis.nodes.len() == 2).then(|| {
         format!(
@@ -165,7 +164,7 @@ pub(crate) fn absurd_errors(axis: &AxisResult) -> Vec<String> {
     found
 }
 
-/// A scale by known lengths that is more likely a mistake in one of them.
+/// A scale by known lengths that is more likely a mistake in one of these.
 fn absurd_scale(calibration: &Calibration) -> Option<String> {
     let scale = calibration
         .scale
@@ -178,7 +177,7 @@ fn absurd_scale(calibration: &Calibration) -> Option<String> {
     ))
 }
 
-/// Stations that are not where the campaign says they are, roughly.
+/// Stations that are far from their rough positions in the campaign.
 fn stations_elsewhere(campaign: &Campaign, found: &[StationResult]) -> Vec<String> {
     let stations = campaign.stations.iter().zip(found);
     let elsewhere = stations.filter_map(|(station, found)| {

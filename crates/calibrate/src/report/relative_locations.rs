@@ -1,15 +1,14 @@
-//! Where rotary axes lie relative to each other.
+//! Locations of rotary axes relative to each other.
 //!
-//! Two axes with the directions `a` and `c` lie, across both (`n = a × c / |a × c|`), nominally at the feet of
-//! their common perpendicular. With shifts `o` and tilts `t` of both,
+//! Two axes with the directions `a` and `c` have, across both (`n = a × c / |a × c|`), a nominal location at the feet
+//! of their common perpendicular. With shifts `o` and tilts `t` of both,
 //!
 //! ```text
 //! offset = n·(o_c + t_c × s_c - o_a - t_a × s_a)     angle = n·(t_c - t_a)
 //! ```
 //!
-//! `s` goes from the reference point of an axis to its foot. A motion of the reference frame changes both axes
-//! alike, so that neither depends on the nests of the targets. Parallel axes have two directions across them, and
-//! their feet are where the reference point of `a` is.
+//! alike, so neither number depends on the nests of the targets. Parallel axes have two directions across them; their
+//! feet are at the reference point of `a`.
 
 use nalgebra::{DMatrix, Point3, RowDVector, Vector3};
 use trueaxis_kinematics::AxisKind;
@@ -18,10 +17,10 @@ use crate::identify::basis::Basis;
 use crate::propagate::propagation::{Propagation, Uncertainty};
 use crate::result::calibration::{RelativeLocation, RelativeQuantity};
 
-/// Sine of the angle below which two axes are parallel.
+/// Sine of the angle below which two axes count as parallel.
 const PARALLEL_TOL: f64 = 1e-3;
 
-/// Of each pair of rotary axes the later one in the order of the machine, relative to the earlier one.
+/// For each pair of rotary axes, the later one in the order of the machine relative to the earlier one.
 pub(crate) fn relative_locations(propagation: &Propagation<'_, '_>) -> Vec<RelativeLocation> {
     let context = propagation.dependence.context;
     let axes = 0..context.data.len();
@@ -55,7 +54,7 @@ fn pair(propagation: &Propagation<'_, '_>, k: usize, to: usize) -> Vec<RelativeL
     };
     let locations = [k, to].map(|k| propagation.dependence.identified.state.axes[k].location);
     let relative = |n: Vector3<f64>| {
-        // An axis is said to be off along +y, not along -y.
+        // Offsets are stated along +y, not along -y, and so for x and z.
         let direction = n * n[n.iamax()].signum();
         let rows = rows(propagation, [k, to], direction, levers_mm);
         let unknown = |Uncertainty { u, dof, budget }| RelativeQuantity {
@@ -79,7 +78,7 @@ fn pair(propagation: &Propagation<'_, '_>, k: usize, to: usize) -> Vec<RelativeL
     across.into_iter().map(relative).collect()
 }
 
-/// Offset and angle along and about `n` as functions of the sources.
+/// The offset along `n` and the angle about it as functions of the sources.
 fn rows(
     propagation: &Propagation<'_, '_>,
     [k, to]: [usize; 2],

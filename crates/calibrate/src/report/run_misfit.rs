@@ -1,22 +1,22 @@
-//! Whether runs of one axis agree: other parked positions of other axes, other times.
+//! Whether runs of one axis agree, with other axes parked elsewhere or at other times.
 //!
-//! Where runs share positions, the component errors `E_n` there are the mean of what each run says, up to the
-//! place of its targets `g`. With the noise of the poses and of the bases `b` (the axes outside, which may stand
-//! elsewhere in each run) the pose errors of the records are
+//! Where runs share positions, the component errors `E_n` there are the mean of the runs, each with its own placement
+//! `g` of its targets. With the noise of the poses and of the bases `b` (the axes outside, which may have other
+//! positions in each run) the pose errors of the records are
 //!
 //! ```text
 //! e_i = E_n + Λ_i g_r + A_i ξ_i + C_i t     cov(ξ_i) = D_i     cov(t) = S     t: shared sources, and those of bases
 //! ```
 //!
-//! With `A_i ξ_i` whitened and `E` and `g` eliminated (primed), the generalised least sum of squares follows
-//! from the matrix inversion lemma, in a form that does without `S⁻¹`, for `S` may be indefinite:
+//! With `A_i ξ_i` whitened and `E` and `g` eliminated (primed), the generalised least sum of squares follows from the
+//! matrix inversion lemma, in a form without `S⁻¹`, as `S` may be indefinite:
 //!
 //! ```text
 //! χ² = |e'|² - fᵀ S (I + G S)⁻¹ f     f = C'ᵀ e'     G = C'ᵀ C'
 //! ```
 //!
-//! with the rows of the records less the unknowns as degrees of freedom `ν`. Runs that contradict each other
-//! do so by more than their noise, and `√(χ²/ν)` (R. T. Birge, *Physical Review* 40, 207, 1932) is by how much.
+//! with the rows of the records less the unknowns as degrees of freedom `ν`. Runs contradict each other if they
+//! differ by more than their noise, and `√(χ²/ν)` (R. T. Birge, *Physical Review* 40, 207, 1932) is the factor.
 
 use nalgebra::{DMatrix, DVector, Matrix6, Vector6};
 use trueaxis_kinematics::Component;
@@ -27,14 +27,13 @@ use crate::identify::gauge::PER_RUN;
 use crate::propagate::propagation::Propagation;
 use crate::result::calibration::{AxisResult, RunMisfit, widening_of_components};
 
-/// Probability that any axis of a campaign whose runs agree is said to have runs that do not.
+/// Probability that any axis of a campaign is reported as having contradictory runs, if all agree.
 const LEVEL: f64 = 0.01;
 
-/// Singular values of the normal matrix of `g`, relative to the largest, below which a combination is free: what all
-/// runs have in common.
+/// Relative singular value of the normal matrix of `g` below which a combination is free, because all runs share it.
 const FREE: f64 = 1e-10;
 
-/// For each axis how its runs contradict each other, if they do.
+/// For each axis the contradiction of its runs, if there is one.
 pub(crate) fn run_misfits(propagation: &Propagation<'_, '_>) -> Vec<Option<RunMisfit>> {
     let data = propagation.dependence.context.data;
     let several = data.iter().filter(|axis| axis.runs.len() > 1).count();
@@ -45,12 +44,12 @@ pub(crate) fn run_misfits(propagation: &Propagation<'_, '_>) -> Vec<Option<RunMi
     (0..data.len()).map(of_axis).collect()
 }
 
-/// How far the average lines, or axes, of the runs of axis `k` are from their mean: for each run the standard deviation
-/// that this gives its location parameters, mm and rad.
+/// Distances of the average lines, or axes, of the runs of axis `k` from their mean: for each run the resulting
+/// standard deviations of the location parameters, mm and rad.
 ///
-/// The parameters `t_r` of a run, relative to those of all runs, are fitted to its pose errors together with the place
-/// of its targets. Between the first and the last of `R` runs the line may be anywhere; if the runs stand for
-/// equally spaced places, that is a uniform distribution with the covariance
+/// The parameters `t_r` of a run, relative to those of all runs, are fitted to its pose errors together with the
+/// placement of its targets. The line may be anywhere between the first and the last of `R` runs; if the runs
+/// represent equally spaced positions, that is a uniform distribution with the covariance
 ///
 /// ```text
 /// (R - 1)/(R + 1) · 1/R Σ t_r t_rᵀ
@@ -93,7 +92,7 @@ fn solved(products: &DMatrix<f64>) -> Option<DVector<f64>> {
     Some(found.component_div(&size))
 }
 
-/// How the runs of axis `k` fit together; `None` if they share no position or their noise is not known.
+/// The contradiction of the runs of axis `k`; `None` if they share no position or their noise is not known.
 fn run_misfit(propagation: &Propagation<'_, '_>, k: usize) -> Option<RunMisfit> {
     let (context, identified) = propagation.dependence.parts();
     let data = &context.data[k];
@@ -119,7 +118,7 @@ fn run_misfit(propagation: &Propagation<'_, '_>, k: usize) -> Option<RunMisfit> 
     let through = covariance * inner.lu().solve(&f)?;
     let chi_squared = left[(of_sources, of_sources)] - f.dot(&through);
 
-    // Where the records of a position differ most, by the noise of a record.
+    // The largest difference between records of a position, in units of the noise of a record.
     let mut largest = (0.0, 0, Component::ALL[0], 0.0);
     for (node, records) in data.records_of.iter().enumerate() {
         let own = propagation.whole.own_of_record(k, records[0]);
@@ -152,8 +151,8 @@ fn run_misfit(propagation: &Propagation<'_, '_>, k: usize) -> Option<RunMisfit> 
     })
 }
 
-/// The products of the columns of `g`, of `C`, and of `e`, whitened and freed of what is common to a position; and
-/// the covariance `S` of the sources.
+/// The products of the columns of `g`, of `C`, and of `e`, whitened and without what is common to a position; and the
+/// covariance `S` of the sources.
 fn products(
     propagation: &Propagation<'_, '_>,
     k: usize,
@@ -194,7 +193,7 @@ fn products(
     for records in &data.records_of {
         let records: Option<Vec<_>> = records.iter().map(|&i| of_record(i)).collect();
         let records = records?;
-        // What all records of the position have in common is its component errors.
+        // The common part of all records of the position is its component errors.
         let mut normal = Matrix6::zeros();
         let mut right: DMatrix<f64> = DMatrix::zeros(6, width);
         for (whitening, row) in &records {
@@ -210,7 +209,7 @@ fn products(
     Some((products, covariance))
 }
 
-/// Widens the uncertainties of the component errors of all axes.
+/// Widens the uncertainties of the component errors of axes with contradictory runs.
 pub(crate) fn widen(axes: &mut [AxisResult]) {
     for axis in axes {
         let factor = widening_of_components(axis);

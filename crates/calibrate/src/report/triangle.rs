@@ -5,7 +5,7 @@ use nalgebra::Point3;
 use crate::identify::context::Context;
 use crate::result::calibration::TriangleSide;
 
-/// A measured distance between targets that differs less from nominal needs no word, mm.
+/// Difference of a measured distance between targets from nominal that needs no notice, mm.
 const TRIANGLE_TOL_MM: f64 = 0.01;
 
 /// The same in standard deviations of the distance at one step.

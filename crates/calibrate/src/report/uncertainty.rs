@@ -1,13 +1,13 @@
 //! What the uncertainties contain, and what they lack.
 //!
-//! Each possible part of U has one entry in [`parts`]: to add one, add it there.
+//! [`parts`] has one entry for each possible part of U; new parts belong there.
 
 use trueaxis_campaign::{Campaign, Stop};
 use trueaxis_poses::{MeasuredPoses, ScaleBasis, step_in_words};
 
 use crate::result::calibration::UncertaintyStatement;
 
-/// A part of U: what it is called where U contains it, or why it does not.
+/// A part of U: its name where U contains it, or why it does not.
 type Part = Result<String, String>;
 
 /// What the uncertainties of a calibration contain.
@@ -22,11 +22,11 @@ pub(crate) fn statement(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Un
     statement
 }
 
-/// All parts that concern the campaign, in the order in which they are said.
+/// All parts that concern the campaign, in the order in which they are stated.
 fn parts(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Vec<Part> {
     let noise = Ok("noise and geometry".to_owned());
     let mut parts = vec![noise];
-    // Lengths to one reflector have nothing to differ by.
+    // A single reflector has no differences.
     let several = measured.reflectors().len() > 1;
     parts.extend(several.then(|| Ok("reflectors".to_owned())));
     let dead_paths = campaign.stations.iter().any(|s| s.dead_path.is_some());
@@ -40,8 +40,8 @@ fn parts(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Vec<Part> {
     parts
 }
 
-/// A parked axis has the errors of its curve, between its steps and beyond them. How these go on there, and what they make of the
-/// location of the axis that moves, no length tells.
+/// A parked axis has the errors of its curve, between its steps and beyond them. No length shows how its errors
+/// continue there, nor their effect on the location of the axis that moves.
 fn off_steps(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Vec<Part> {
     let poses = &measured.poses;
     let mut steps: Vec<Vec<f64>> = vec![Vec::new(); campaign.machine.axes().len()];
@@ -93,24 +93,24 @@ fn off_steps(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Vec<Part> {
     found
 }
 
-/// Whether a position lies outside some steps (rising).
+/// Whether a position lies outside some steps (ascending).
 fn is_beyond(steps: &[f64], position: f64) -> bool {
     let ends = steps.first().zip(steps.last());
     ends.is_some_and(|(low, high)| position < *low || position > *high)
 }
 
-/// Part of the distance of two steps up to which a position next to one of them has its errors.
+/// Share of the distance between two steps within which a position counts as at a step.
 const AT_STEP: f64 = 0.02;
 
-/// Whether a position lies between two of some steps (rising), not at one.
+/// Whether a position lies between two steps (ascending), not at one of them.
 fn is_between(steps: &[f64], position: f64) -> bool {
     let above = steps.partition_point(|step| *step < position);
     let gap = above.checked_sub(1).map(|k| steps[k]).zip(steps.get(above));
     gap.is_some_and(|(low, high)| (position - low).min(high - position) > AT_STEP * (high - low))
 }
 
-/// Of points: residuals of one visit show the instrument, but not where the machine would have stood at another. Lengths
-/// from several stations, or repeats, show it.
+/// For points: residuals of one visit show the instrument, but not how the machine returns. Lengths show it, from
+/// several stations or repeats.
 fn repeatability(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Option<Part> {
     let points = campaign.points.as_ref()?;
     let poses = &measured.poses.observations;
@@ -126,9 +126,9 @@ fn repeatability(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Option<Pa
     })
 }
 
-/// What location errors are relative to.
+/// The nests of the targets, to which location errors are relative.
 fn nests(campaign: &Campaign) -> Part {
-    // Those on the bed have no part in the frame.
+    // Targets on the bed do not enter the frame.
     let mut carried = campaign.targets.iter().filter(|t| t.carrier.is_some());
     let open = carried.any(|t| t.position_sigma_mm.is_none());
     match open {
@@ -137,7 +137,7 @@ fn nests(campaign: &Campaign) -> Part {
     }
 }
 
-/// Of the axes that are referred to 20 °C.
+/// The temperatures of the axes that are referred to 20 °C.
 fn temperatures(campaign: &Campaign) -> Option<Part> {
     let expansions = &campaign.expansions;
     let open = expansions.iter().any(|e| e.temperature_sigma_k.is_none());

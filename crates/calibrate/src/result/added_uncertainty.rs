@@ -1,4 +1,4 @@
-//! An independent error of all results, beside the noise of the measurement.
+//! An independent error of all results beside the noise of the measurement.
 
 use std::collections::HashMap;
 
@@ -8,9 +8,9 @@ use crate::result::budget::Budget;
 use crate::result::calibration::{AxisResult, Calibration};
 
 impl Calibration {
-    /// Of the machine that was calibrated: adds an independent error whose standard deviation is `change` (mm and rad) in the results that are
-    /// not defined by gauge or frame, in the order of [`Calibration::results`]; fully correlated among
-    /// them; `part` is what it is in the budget. It counts as known: degrees of freedom grow with its share.
+    /// Adds an error of the calibrated `machine`, fully correlated among all results. `change` is its standard
+    /// deviation (mm, rad) in each result that gauge or frame do not define, in the order of
+    /// [`Calibration::results`], `part` its part of the budget. It counts as known: degrees of freedom grow.
     ///
     /// # Panics
     /// If there is not one number for each of these results.
@@ -69,7 +69,7 @@ impl Calibration {
         all
     }
 
-    /// Of changes in the order of [`Calibration::results`].
+    /// Adds the error to the relative locations; `change` is in the order of [`Calibration::results`].
     fn add_to_relative_locations(
         &mut self,
         machine: &Machine,
@@ -98,7 +98,7 @@ impl Calibration {
     }
 }
 
-/// One result: `u²` grows, and with a part that is known `ν = 2 u⁴ / var(u²)` by the square of its ratio.
+/// Adds a known variance to one result: `ν = 2 u⁴ / var(u²)` grows by the square of the ratio of `u²`.
 fn add(variance: f64, u: &mut f64, dof: &mut f64, part: Option<&mut f64>) {
     if variance <= 0.0 {
         return;

@@ -1,30 +1,26 @@
-//! Where a variance comes from, and how well it is known.
+//! The parts of a variance, and how well it is known.
 //!
-//! With `u²` of a result, `u_s²` what is left of it with the stations known, and `u_l²` the part of
-//! that which lengths without the machine's repeatability would make:
+//! With `u²` of a result, `u_s²` what is left of it with the stations known, and `u_l²` the part of `u_s²` that
+//! lengths without the machine's repeatability would cause:
 //!
 //! ```text
 //! laser u_l²     repeatability u_s² - u_l²     station geometry u² - u_s²
 //! ```
 //!
-//! What is declared (the scale of the instrument, known lengths and dead paths, constants of
-//! reflectors, nests of targets, temperatures) is
-//! no noise of the campaign and a part of its own, and so is, where effects were taken out of the lengths, the
-//! uncertainty of their values.
+//! What is declared (the scale of the instrument, known lengths and dead paths, constants of reflectors, nests of
+//! targets, temperatures) is not noise of the campaign and is a part of its own. So is, where effects were removed
+//! from the lengths, the uncertainty of their values.
 //!
-//! No part is negative for a result that does not depend on the datum, and none of ours does: the
-//! covariance of the points with the stations known is that of an adjustment without datum, the
-//! estimated stations add the variance that comes through them, and the noise of the machine's
-//! return adds to that of the lengths while the weights stay.
+//! No part is negative, because no result depends on the datum: the covariance of the points with the stations known
+//! is that of an adjustment without datum, the estimated stations add the variance that comes through them, and the
+//! noise of the machine's return adds to that of the lengths with the same weights.
 //!
 //! # Degrees of freedom
 //!
-//! The noise has two variance factors, of the lengths and of the machine's repeatability. If they are
-//! estimated with the covariance `K` relative to their values, `u² = g_1 + g_2` (origin in the
-//! lengths, with what goes through the stations, and in the return), beside what is declared and counts as
-//! known, is known to `gᵀ K g`, and
-//! matching it to a chi-squared distribution gives (Welch 1947, Satterthwaite 1946; JCGM 100:2008
-//! G.4.1 with correlation)
+//! The noise has two variance factors, of the lengths and of the machine's repeatability. Let them be estimated with
+//! the covariance `K` relative to their values. Beside declared parts, which count as known, `u² = g_1 + g_2` (from
+//! the lengths, including what goes through the stations, and from the return) then has the variance `gᵀ K g`, and
+//! matching a chi-squared distribution gives (Welch 1947, Satterthwaite 1946; JCGM 100:2008 G.4.1 with correlation)
 //!
 //! ```text
 //! ν = 2 u⁴ / gᵀ K g
@@ -40,16 +36,15 @@ pub struct Budget {
     pub laser: f64,
     /// The repeatability with the stations known.
     pub repeatability: f64,
-    /// That the stations are estimated, whatever the noise behind it.
+    /// What is added because the stations are estimated, whatever noise causes it.
     pub station_geometry: f64,
-    /// What is declared and common to many lengths: scale, known lengths, dead paths, reflectors, nests of
-    /// targets, temperatures.
+    /// Declared parts common to many lengths: scale, known lengths, dead paths, reflectors, nests of targets,
+    /// temperatures.
     pub systematic: f64,
-    /// That the values of effects that were taken out of the lengths are estimated.
+    /// The uncertainty of the values of effects that were removed from the lengths.
     pub effects: f64,
-    /// All that has its origin in the lengths' own noise: `laser` and its part of
-    /// `station_geometry`. The rest of u², but for `systematic` and `effects`, has its origin in the machine's
-    /// return.
+    /// All that the lengths' own noise causes: `laser` and its part of `station_geometry`. The machine's return
+    /// causes the rest of u², except `systematic` and `effects`.
     pub laser_in_all: f64,
 }
 
@@ -57,8 +52,8 @@ pub struct Budget {
 const ROUNDING: f64 = 1e-9;
 
 impl Budget {
-    /// From the variances with the stations known, of the laser alone and of all noise, and with
-    /// the stations estimated; and what of the last is declared.
+    /// From the variances with the stations known, of the laser alone and of all noise; the same with the stations
+    /// estimated; and the declared part of the latter.
     pub(crate) fn new(stations_known: [f64; 2], in_all: [f64; 2], systematic: f64) -> Self {
         let [laser, known] = stations_known;
         let [laser_in_all, all] = in_all;
@@ -79,7 +74,7 @@ impl Budget {
         }
     }
 
-    /// All parts multiplied.
+    /// All parts times a factor.
     pub(crate) fn times(&self, factor: f64) -> Self {
         Self {
             laser: factor * self.laser,
@@ -110,8 +105,8 @@ impl Budget {
         (variance > 0.0).then(|| parts.map(|part| part / variance))
     }
 
-    /// `ν = 2 u⁴ / gᵀ K g` (Welch–Satterthwaite, of correlated factors) for the relative covariance `K` of the variance
-    /// factors; infinite if they are known.
+    /// `ν = 2 u⁴ / gᵀ K g` (Welch–Satterthwaite, with correlated factors) for the relative covariance `K` of the
+    /// variance factors; infinite if these are known.
     pub(crate) fn degrees_of_freedom(&self, relative_covariance: &Matrix2<f64>) -> f64 {
         let variance = self.variance();
         let of_repeatability = variance - self.laser_in_all - self.systematic - self.effects;
@@ -144,7 +139,7 @@ mod tests {
         assert!((found - expected).abs() < 1e-12);
     }
 
-    /// What is declared is known: it adds degrees of freedom, and no part takes it for its own.
+    /// Declared parts are known: they add degrees of freedom, and no other part contains them.
     #[test]
     fn what_is_declared_is_no_noise() {
         let noise = Budget::new([1.0, 4.0], [2.0, 5.0], 0.0);

@@ -1,4 +1,4 @@
-//! The calibrated machine, which predicts.
+//! The calibrated machine, for predictions.
 
 use trueaxis_kinematics::Machine;
 use trueaxis_predict::{CalibratedMachine, MeasuredAxis, Node};
@@ -6,7 +6,7 @@ use trueaxis_predict::{CalibratedMachine, MeasuredAxis, Node};
 use crate::result::calibration::{AxisResult, Calibration};
 
 impl Calibration {
-    /// The calibrated machine, which predicts.
+    /// The calibrated machine, for predictions.
     pub fn calibrated_machine(&self) -> CalibratedMachine {
         let axes = self.axes.iter().map(measured_axis).collect();
         let factors = self.factors.clone();
@@ -21,7 +21,7 @@ impl Calibration {
         machine
     }
 
-    /// The machine with the reference points that the component errors are given for.
+    /// The machine with the reference points to which the component errors belong.
     fn with_reference_points(&self) -> Machine {
         self.machine.with_axes(|index, axis| {
             match self.axes.iter().find(|result| result.axis == index) {

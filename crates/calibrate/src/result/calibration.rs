@@ -23,7 +23,7 @@ pub struct Calibration {
     pub campaign: String,
     /// The nominal machine, as in the campaign.
     pub machine: Machine,
-    /// The same as files have it.
+    /// The nominal machine in the form of files.
     pub machine_spec: MachineSpec,
     /// How component errors were identified.
     pub method: Method,
@@ -31,43 +31,43 @@ pub struct Calibration {
     pub adjustment: AdjustmentReport,
     /// Stations of the tracker; empty for a points campaign.
     pub stations: Vec<StationResult>,
-    /// Constants of the reflectors; empty for a points campaign, and where there is one reflector only and no dead path is known.
+    /// Constants of the reflectors; empty for points, and for a single reflector without a known dead path.
     pub reflectors: Vec<ReflectorConstant>,
-    /// Whether they are relative to their mean: no dead path is known, which would tell that.
+    /// Whether the constants are relative to their mean, because no dead path is known.
     pub reflectors_are_relative: bool,
     /// The scale of all lengths, where it is an unknown: results are free of it, and U contains its uncertainty.
     pub scale: Option<ScaleResult>,
-    /// What the uncertainties contain, and what not.
+    /// What the uncertainties contain, and what they lack.
     pub uncertainty: UncertaintyStatement,
     /// Adjusted home positions of the targets, mean over the runs.
     pub targets: Vec<TargetResult>,
     /// Axes that were measured, in the order of the machine.
     pub axes: Vec<AxisResult>,
-    /// Where rotary axes lie relative to each other, whatever the nests of the targets are.
+    /// Locations of rotary axes relative to each other, independent of the nests of the targets.
     pub relative_locations: Vec<RelativeLocation>,
     /// Covariance of all these results, in factors.
     pub factors: FactoredCovariance,
-    /// The same as one matrix, if it was asked for.
+    /// The covariance as one matrix, if the settings ask for it.
     pub covariance: Option<OutputCovariance>,
     /// Steps whose points do not move as a rigid body.
     pub misfits: Vec<StepMisfit>,
-    /// Runs of measured points that see the stage turned against each other where all axes stand alike.
+    /// Runs of measured points between which the stage is turned at equal axis positions.
     pub turned_runs: Vec<TurnedRuns>,
     /// Known lengths and dead paths that contradict the lengths.
     pub known_misfits: Vec<KnownMisfit>,
-    /// What is left of each length, or of each coordinate of a points campaign, in measuring order.
+    /// The residuals of all lengths, or of all coordinates of a points campaign, in measuring order.
     pub residuals: Vec<Residual>,
     /// Distances between targets that differ from nominal.
     pub triangle: Vec<TriangleSide>,
-    /// Effects that were taken out of the lengths, with the uncertainties that entered.
+    /// Effects that were removed from the lengths, with the uncertainties that were used.
     pub effects: Vec<GivenEffect>,
     /// What a user must know before using the numbers.
     pub notices: Vec<String>,
-    /// What the results rest on.
+    /// Who, when and with what: the origin of the results.
     pub traceability: Traceability,
 }
 
-/// By whom, when, with what: what a certificate says beside its numbers.
+/// Who, when and with what: the statements of a certificate beside its numbers.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Traceability {
     /// Day of the measurement as `YYYY-MM-DD`, if the campaign gives it.
@@ -78,7 +78,7 @@ pub struct Traceability {
     pub instrument: String,
     /// Its serial number, if the campaign gives it.
     pub serial: Option<String>,
-    /// The files of the campaign with their checksums ([`trueaxis_campaign::checksums`]); empty if whoever calibrated it had no files.
+    /// The campaign's files with checksums ([`trueaxis_campaign::checksums`]); empty if it came from no files.
     pub inputs: Vec<InputFile>,
 }
 
@@ -130,7 +130,7 @@ pub struct AxisResult {
     pub kind: AxisKind,
     /// Reference point of δ at home, mm.
     pub reference_point_mm: Point3<f64>,
-    /// Where each axis of the machine stood meanwhile, mm or rad; 0 for this one, none for one that stood at several places.
+    /// Position of each axis meanwhile, mm or rad; 0 for this axis, `None` for one that stood at several positions.
     pub parked: Vec<Option<f64>>,
     /// Component errors at each position.
     pub nodes: Vec<NodeResult>,
@@ -138,16 +138,16 @@ pub struct AxisResult {
     pub location: LocationError,
     /// Location errors that the reference frame leaves, with uncertainty.
     pub location_errors: Vec<LocationResult>,
-    /// Mean over the steps of the standard deviation of each component for independent unit noise of the points, by the equations used and
-    /// by all nine without weights: mm and rad per mm. `None` for the joint adjustment, which has no points.
+    /// Mean over the steps of the standard deviation of each component for unit noise of the points, by the equations
+    /// used and by all nine without weights: mm and rad per mm. `None` for the joint adjustment, which has no points.
     pub noise_gain: Option<[[f64; 6]; 2]>,
-    /// What other methods would lose on the same lengths; `None` where the joint adjustment was not used or the others cannot be.
+    /// The loss by other methods on the same lengths; `None` if the joint adjustment was not used or others fail.
     pub u_ratio: Option<MethodLoss>,
-    /// How the two sides of approach differ, where they share a curve and differ significantly.
+    /// The difference between sides of approach that share a curve, if it is significant.
     pub sides: Option<SideDifference>,
-    /// How the runs contradict each other of which the curves are the mean, if they do: the uncertainties of its
-    /// components then are what the noise makes them, times [`RunMisfit::birge_ratio`], and those of all location errors
-    /// contain how the average lines or axes of the runs differ.
+    /// The contradiction of the runs of which the curves are the mean, if there is one: the uncertainties of the
+    /// components are then those of the noise times [`RunMisfit::birge_ratio`], and those of all location errors
+    /// contain the differences of the average lines or axes of the runs.
     pub runs: Option<RunMisfit>,
 }
 
@@ -156,15 +156,15 @@ pub struct AxisResult {
 pub struct RunMisfit {
     /// Names of the runs.
     pub runs: Vec<String>,
-    /// Rms distance of the reference point in a run from where it is in the mean, mm.
+    /// Rms distance of the reference point in a run from its mean position, mm.
     pub rms_mm: f64,
-    /// Sum of squares of what they differ by, with the covariance of that.
+    /// Weighted sum of squares of the differences.
     pub chi_squared: f64,
     /// Its degrees of freedom.
     pub degrees_of_freedom: usize,
-    /// Probability of such a sum if the runs agree.
+    /// Probability of a sum as large if the runs agree.
     pub p_value: f64,
-    /// The component error, and the position (mm or rad) where the runs differ most by their noise; and by how much, mm or rad.
+    /// The component error that differs most by its noise, the position, and the difference there; mm or rad.
     pub component: Component,
     /// See [`RunMisfit::component`].
     pub position: f64,
@@ -173,14 +173,14 @@ pub struct RunMisfit {
 }
 
 impl RunMisfit {
-    /// By how much the runs differ in units of their noise, `√(χ²/ν)` (R. T. Birge, Phys. Rev. 40, 207, 1932); not below one.
+    /// Ratio of the differences to their noise, `√(χ²/ν)` (R. T. Birge, Phys. Rev. 40, 207, 1932), at least one.
     pub fn birge_ratio(&self) -> f64 {
         let ratio = (self.chi_squared / self.degrees_of_freedom as f64).sqrt();
         ratio.max(1.0)
     }
 }
 
-/// By what runs that contradict each other widen the component errors of an axis.
+/// The factor by which contradictory runs widen the component errors of an axis.
 pub(crate) fn widening_of_components(axis: &AxisResult) -> f64 {
     axis.runs.as_ref().map_or(1.0, RunMisfit::birge_ratio)
 }
@@ -190,7 +190,7 @@ pub(crate) fn widening_of_components(axis: &AxisResult) -> f64 {
 pub struct MethodLoss {
     /// Points first, then nine equations.
     pub nine: [f64; 6],
-    /// Points first, then the paper's six equations; `None` where these do not determine the components.
+    /// Points first, then the paper's six equations; `None` where six do not determine the components.
     pub six: Option<[f64; 6]>,
 }
 
@@ -199,16 +199,16 @@ pub struct MethodLoss {
 pub struct NodeResult {
     /// Commanded position, mm or rad.
     pub position: f64,
-    /// Side of approach, where the two are kept apart.
+    /// Side of approach, if the sides are kept apart.
     pub direction: Option<Direction>,
     /// δ and ε in the least-squares gauge.
     pub error: MotionError,
     /// Standard uncertainties in the order of [`trueaxis_kinematics::Component::ALL`], mm and rad.
     pub u: [f64; 6],
-    /// Their degrees of freedom; infinite where the noise is taken as known. The factor for an
-    /// interval is [`trueaxis_predict::coverage_factor`].
+    /// Their degrees of freedom; infinite where the noise counts as known. The factor for an interval is
+    /// [`trueaxis_predict::coverage_factor`].
     pub dof: [f64; 6],
-    /// Where their squares come from.
+    /// The parts of their squares.
     pub budget: [Budget; 6],
 }
 
@@ -223,25 +223,25 @@ pub struct LocationResult {
     pub u: f64,
     /// Its degrees of freedom; infinite where the noise is taken as known.
     pub dof: f64,
-    /// Where its square comes from.
+    /// The parts of its square.
     pub budget: Budget,
-    /// Whether it is relative to where the nests of the targets are: it is as uncertain as these were set, which u
-    /// contains as far as `position_sigma_mm` of the targets declares it.
+    /// Whether it is relative to the positions of the targets' nests: it is as uncertain as these, which u contains
+    /// as far as `position_sigma_mm` of the targets declares it.
     pub relative_to_targets: bool,
 }
 
-/// Where a rotary axis lies relative to another one: how far the two are apart, and which angle they have, beyond
-/// nominal. Neither depends on the reference frame or on how the nests of the targets were set.
+/// Location of a rotary axis relative to another: distance and angle of the two, less nominal. Neither depends on the
+/// reference frame or on how the nests of the targets were set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RelativeLocation {
     /// Name of the axis.
     pub axis: String,
-    /// Name of the axis that it is relative to.
+    /// Name of the axis to which it is relative.
     pub to: String,
-    /// Unit vector across both, along which the offset is and about which the angle is positive by the right-hand
+    /// Unit vector across both: direction of the offset, and of the axis of the angle, positive by the right-hand
     /// rule. Parallel axes have two such entries.
     pub direction: Vector3<f64>,
-    /// From the reference point of the axis, and of the other one, to where they are nearest to each other, mm.
+    /// From the reference points of the axis and of the other one to where they are nearest to each other, mm.
     pub levers_mm: [Vector3<f64>; 2],
     /// Offset along the direction, mm.
     pub offset: RelativeQuantity,
@@ -250,7 +250,7 @@ pub struct RelativeLocation {
 }
 
 impl RelativeLocation {
-    /// Offset (mm) and angle (rad) of location errors of the axis and of the other one; linear in both.
+    /// Offset (mm) and angle (rad) by location errors of the axis and of the other one; linear in both.
     pub(crate) fn of(&self, axis: &LocationError, to: &LocationError) -> [f64; 2] {
         let n = &self.direction;
         let place = |location: &LocationError, lever_mm: &Vector3<f64>| {
@@ -273,7 +273,7 @@ pub struct RelativeQuantity {
     pub u: f64,
     /// Its degrees of freedom; infinite where the noise is taken as known.
     pub dof: f64,
-    /// Where its square comes from.
+    /// The parts of its square.
     pub budget: Budget,
 }
 
@@ -289,7 +289,7 @@ pub struct TriangleSide {
 }
 
 impl Calibration {
-    /// The result of the axis of that name.
+    /// The result of the axis with this name.
     pub fn axis(&self, name: &str) -> Option<&AxisResult> {
         self.axes.iter().find(|axis| axis.name == name)
     }

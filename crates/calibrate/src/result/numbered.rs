@@ -11,19 +11,19 @@ use trueaxis_predict::Output;
 /// One number of a calibration with its uncertainty, in mm and rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NumberedResult {
-    /// Which number.
+    /// Which number it is.
     pub output: Output,
     /// Its value, mm or rad.
     pub value: f64,
     /// Its standard uncertainty, mm or rad; zero where gauge or frame define it.
     pub u: f64,
-    /// Degrees of freedom of that.
+    /// Degrees of freedom of u.
     pub dof: f64,
 }
 
 impl Calibration {
-    /// All results in a fixed order: the component errors of all axes (for each position all six), the
-    /// location errors, the stations (x y z and dead path of each).
+    /// All results in a fixed order: the component errors of all axes (six for each position), the location errors,
+    /// the stations (x y z and dead path of each).
     pub fn results(&self) -> Vec<NumberedResult> {
         results(&self.axes, &self.stations).collect()
     }
@@ -39,7 +39,7 @@ impl Calibration {
     }
 }
 
-/// All results in their order, one at a time: there may be half a million.
+/// All results in order, one at a time, as there may be half a million.
 pub(crate) fn results<'a>(
     axes: &'a [AxisResult],
     stations: &'a [StationResult],

@@ -1,11 +1,11 @@
-//! Waves of a curve of which not all positions were used: the kept ones, `H` apart, show a wave of the frequency `f` as they show
+//! Aliases of waves in a thinned curve: at the kept positions, `H` apart, a wave of the frequency `f` looks like
 //!
 //! ```text
 //! |m/H ± f|      m = 1, 2, …
 //! ```
 //!
-//! up to what the measured positions tell. Each is fitted to the kept positions, where all are alike; those between decide:
-//! what is left there beside the straight line between what is left at their kept neighbours.
+//! up to the highest frequency that the measured positions show. All are fitted to the kept positions, where they
+//! look alike; the distances of the others from straight lines between their kept neighbours decide.
 
 use std::f64::consts::TAU;
 
@@ -18,11 +18,11 @@ use crate::components::curve_set::{CurveSet, Thinned};
 use crate::components::estimate::{Estimate, estimate};
 use crate::components::search::SetSearch;
 
-/// Waves of a turn are whole, to this.
+/// Tolerance for whole numbers of waves per turn.
 const WHOLE: f64 = 1e-6;
 
 impl SetSearch {
-    /// Each wave that was found with the period that all positions show best, and those that they show as well as its rivals.
+    /// Gives each wave the period that fits all positions best; those that fit nearly as well become its rivals.
     pub(crate) fn tell_aliases_apart(&mut self) {
         let Some(thinned) = self.set.thinned.clone() else {
             return;
@@ -65,7 +65,7 @@ impl SetSearch {
     }
 }
 
-/// What else the kept positions show as a shape.
+/// The shapes that look the same at the kept positions.
 fn aliases(set: &CurveSet, candidate: &Candidate, shape: f64) -> Vec<f64> {
     let of_shape: fn(f64) -> f64 = match candidate.hypothesis.effect.shape {
         Shape::Period => f64::recip,
@@ -87,7 +87,7 @@ fn aliases(set: &CurveSet, candidate: &Candidate, shape: f64) -> Vec<f64> {
     }
 }
 
-/// Values at all positions less what an effect with its values does there.
+/// Values at all positions less an effect with these parameters.
 fn without(
     set: &CurveSet,
     thinned: &Thinned,
@@ -103,7 +103,7 @@ fn without(
     left
 }
 
-/// Squares of what stands beside the straight lines between kept positions of a side, all curves together.
+/// Squares of the distances from the straight lines between kept positions of a side, all curves together.
 fn squares_between(set: &CurveSet, thinned: &Thinned, values: &[f64]) -> f64 {
     let nodes = &thinned.nodes;
     let mut squares = 0.0;
@@ -141,7 +141,7 @@ mod tests {
     use super::*;
     use crate::components::scene_of;
 
-    /// Of 600 positions a turn 300 are kept: seven waves are to these as 293 and 307, of which 600 positions tell 293.
+    /// Of 600 positions a turn 300 are kept: seven waves look like 293 and 307 there; 600 positions show only 293.
     #[test]
     fn waves_of_a_turn_have_whole_aliases() {
         let axis = Axis::rotary("C", Vector3::z(), [0.0, TAU], Point3::origin()).unwrap();

@@ -1,4 +1,4 @@
-//! The rest of a curve that no effect explains, for all sizes that it may have.
+//! The rest of a curve that no effect explains, for all its possible sizes.
 //!
 //! Its covariance is `s² K + w² I`. K is that of a Gauss-Markov process of second order (Matérn 3/2),
 //!
@@ -7,17 +7,17 @@
 //! ```
 //!
 //! whose power falls with the fourth power of the frequency: continuous, with a continuous slope, as
-//! guideways and bearings are. d is the distance of two positions and ℓ twice the travel of a linear
-//! axis; for a rotary one d is the chord `2 sin(Δ/2)`, so that 0° and 360° are one place, and ℓ = 2.
-//! This is an assumption about machines, and it decides what a slope or a single wave must be to stand
-//! out: with it the straight part of a curve is expected to have, at the ends of the travel, about five
-//! times the rms of what bends, one wave per turn 2.4 times the amplitude of two. A shorter ℓ expects
-//! less (three times with ℓ the travel) and calls more curves by name. s and w are not known: they run
+//! guideways and bearings are. d is the distance of two positions and ℓ twice the travel of a linear axis; for a
+//! rotary one d is the chord `2 sin(Δ/2)`, so that 0° and 360° are the same position, and ℓ = 2. This is an
+//! assumption about machines, and it decides how large a slope or a single wave must be to stand out: the straight
+//! part of a curve is expected to have, at the ends of the travel, about five times the rms of the bent part, and one
+//! wave per turn 2.4 times the amplitude of two. A shorter ℓ expects less (three times with ℓ the travel) and names
+//! more curves. s and w are not known: they run
 //! over a grid in equal ratios, w with a flat prior, s with one from the other curves
 //! ([`crate::components::smooth_prior`]).
 //!
-//! For each s one eigenvalue decomposition `C + s² K = Q Λ Qᵀ` whitens for all w: `(Λ + w²)^{-1/2} Qᵀ`. Where all values have the same
-//! variance and are independent, as those of a line, one of K does for all s.
+//! For each s one eigenvalue decomposition `C + s² K = Q Λ Qᵀ` whitens for all w: `(Λ + w²)^{-1/2} Qᵀ`. If all values
+//! are independent with the same variance, as in a line, one decomposition of K serves for all s.
 
 use std::sync::Arc;
 
@@ -34,13 +34,13 @@ use crate::extremes::extremes;
 /// One size of the rest, and the curves whitened with it.
 #[derive(Debug, Clone)]
 pub(crate) struct Background {
-    /// Logarithm of prior times restricted likelihood of the curves without any effect.
+    /// Logarithm of the prior times the restricted likelihood of the curves without any effect.
     pub(crate) ln_weight: f64,
     /// The same without the prior of s.
     pub(crate) ln_likelihood: f64,
-    /// Number of s in the grid.
+    /// Index of s in the grid.
     pub(crate) smooth: i32,
-    /// Whitened curves after the base.
+    /// Whitened curves with the base projected out.
     pub(crate) projection: Projection,
     pub(crate) whitening: Whitening,
 }
@@ -54,8 +54,8 @@ pub(crate) struct Whitening {
     pub(crate) scales: Vec<f64>,
 }
 
-/// Ratio of neighbouring sizes: the likelihood of a standard deviation that 20 steps tell has a width
-/// of 1/√40 in its logarithm, and half of that on either side of a grid point.
+/// Ratio of neighbouring sizes: the likelihood of a standard deviation that 20 steps show has a width of 1/√40 in its
+/// logarithm, and half of that on either side of a grid point.
 const RATIO: f64 = std::f64::consts::SQRT_2;
 
 /// Smallest smooth and rough rest, in standard uncertainties of the curve: they change no result.
@@ -68,18 +68,18 @@ const MOST_SMOOTH: f64 = 3.0;
 /// ℓ of a linear axis in travels.
 const TRAVELS: f64 = 2.0;
 
-/// Numbers of the grid: from 10⁻⁹ to 10⁹ µm.
+/// Largest index of the grid: from 10⁻⁹ to 10⁹ µm.
 const LARGEST_NUMBER: i32 = 60;
 
 /// Range of a curve that is zero throughout, µm or arcsec.
 const LEAST_RANGE: f64 = 1e-6;
 
-/// Uncertainty that stands for that of exact curves, relative to their range.
+/// Uncertainty assumed for exact curves, relative to their range.
 const EXACT: f64 = 1e-3;
 
 /// `C + s² K = Q Λ Qᵀ` of a smooth rest, whatever else is in the model.
 pub(crate) struct Smooth {
-    /// Number of s in the grid.
+    /// Index of s in the grid.
     number: i32,
     /// `Λ`.
     values: DVector<f64>,
@@ -117,7 +117,7 @@ pub(crate) fn smooth_rests(set: &CurveSet) -> Vec<Smooth> {
     numbers.map(of_number).collect()
 }
 
-/// The variance of all values, if it is the same and they are independent.
+/// The variance of all values, if they are independent with the same variance.
 fn common_variance(covariance: &DMatrix<f64>) -> Option<f64> {
     let variance = *covariance.get(0)?;
     let is_common = *covariance
@@ -125,7 +125,7 @@ fn common_variance(covariance: &DMatrix<f64>) -> Option<f64> {
     is_common.then_some(variance)
 }
 
-/// The curves under all sizes of the rest; `base` is what the gauge takes and what is in the model.
+/// The curves for all sizes of the rest; `base` contains what the gauge takes out and the effects in the model.
 pub(crate) fn backgrounds(
     set: &CurveSet,
     smooth: &[Smooth],
@@ -154,7 +154,7 @@ pub(crate) fn backgrounds(
             };
             let whitened: Vec<Vec<f64>> = base.iter().map(|c| whitening.scaled(c)).collect();
             let projection = Projection::dense(whitening.scaled(&curves), &whitened);
-            // Flat in w: in equal ratios each point stands for a width in proportion.
+            // Flat in w: in equal ratios each point represents an interval in proportion to w.
             let ln_likelihood = w.ln()
                 - 0.5
                     * (variances.iter().map(|v| v.ln()).sum::<f64>()
@@ -173,7 +173,7 @@ pub(crate) fn backgrounds(
 }
 
 impl Background {
-    /// Whether columns that are turned for one are for the other.
+    /// Whether both have the same rotation, so that rotated columns serve both.
     pub(crate) fn is_turned_as(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.whitening.turn, &other.whitening.turn)
     }
@@ -185,17 +185,17 @@ impl Whitening {
         self.scaled(&self.turned(column))
     }
 
-    /// Turns a column; the same for all sizes with one s.
+    /// Rotates a column by `Qᵀ`, which is the same for all sizes with one s.
     pub(crate) fn turned(&self, column: &[f64]) -> Vec<f64> {
         turned(&self.turn, column)
     }
 
-    /// Turns columns side by side, all at once.
+    /// Rotates all columns of a matrix at once.
     pub(crate) fn turned_all(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
         &*self.turn * columns
     }
 
-    /// Whitens a turned column.
+    /// Whitens a rotated column.
     pub(crate) fn scaled(&self, turned: &[f64]) -> Vec<f64> {
         let pairs = self.scales.iter().zip(turned);
         pairs.map(|(scale, x)| scale * x).collect()
@@ -214,7 +214,7 @@ fn turned(turn: &DMatrix<f64>, column: &[f64]) -> Vec<f64> {
     turned
 }
 
-/// K of all curves of a set; different curves are independent.
+/// K of all curves of a set; it is zero between different curves.
 fn kernel(set: &CurveSet) -> DMatrix<f64> {
     let steps = set.nodes.len();
     let travel = set.travel();
@@ -245,14 +245,14 @@ fn scales(set: &CurveSet) -> (f64, f64) {
     (u.max(EXACT * range), range)
 }
 
-/// Numbers of the sizes from `low` to `high`.
+/// Indices of the sizes from `low` to `high`.
 fn numbers(low: f64, high: f64) -> Vec<i32> {
     let mut numbers: Vec<i32> = (-LARGEST_NUMBER..=LARGEST_NUMBER).collect();
     numbers.retain(|&k| (low..=high.max(RATIO * low)).contains(&size(k)));
     numbers
 }
 
-/// The size with a number, µm or arcsec; the same for all curves.
+/// The size with this index, µm or arcsec; the same for all curves.
 pub(crate) fn size(number: i32) -> f64 {
     RATIO.powi(number)
 }

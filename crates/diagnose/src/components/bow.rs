@@ -1,10 +1,10 @@
 //! A bent guideway: two curves with one cause.
 //!
-//! The straightness gives one estimate of the bow, the slope of the matching angle another. Under the
-//! rest of the curves alone their p-values are independent, and `-2 Σ ln p` is χ² with four degrees of
-//! freedom (Fisher). A bow is named only if each curve asks for it by itself ([`EACH`]) and both ask for
-//! the same one ([`AGREE`]); its value is their weighted mean. Its uncertainty is widened by what the other guideways of the
-//! machine show ([`variance_factor`]), and by the Birge ratio.
+//! The straightness gives one estimate of the bow, the slope of the matching angle another. Under the rest of the
+//! curves alone their p-values are independent, and `-2 Σ ln p` is χ² with four degrees of freedom (Fisher). A bow is
+//! named only if each curve shows it by itself ([`EACH`]) and both estimates agree ([`AGREE`]); its value is their
+//! weighted mean. Its uncertainty is widened by the evidence of the other guideways of the machine
+//! ([`variance_factor`]), and by the Birge ratio.
 
 use nalgebra::DMatrix;
 use trueaxis_effects::{Scene, Subject, effect};
@@ -19,16 +19,16 @@ use crate::components::ln_chi_squared::ln_chi_squared;
 use crate::components::report;
 use crate::components::search::{Found, SetSearch};
 
-/// Its effect.
+/// Id of the effect.
 pub(crate) const BOW: &str = "guideway_bow";
 
-/// Probability that a curve without a bow asks for one, below which it does by itself.
+/// Largest p-value at which a curve shows a bow by itself.
 const EACH: f64 = 0.05;
 
 /// Largest difference of the two estimates in standard uncertainties: one true bow in 370 fails.
 const AGREE: f64 = 3.0;
 
-/// The cause, with the sagitta over the measured positions.
+/// The cause, with its sagitta over the measured positions.
 pub(crate) fn cause_of_bow(straightness: &CurveSet, found: &Found, scene: &Scene) -> Cause {
     let mut cause = report::cause(straightness, found, scene);
     // b (L/2)², b in µm/m².
@@ -43,14 +43,14 @@ pub(crate) fn cause_of_bow(straightness: &CurveSet, found: &Found, scene: &Scene
     cause
 }
 
-/// What a straightness and its matching angle say of a bow, each by itself, with all that was found in it in the model.
+/// The bow by a straightness and by its matching angle, each with all effects found in that curve in the model.
 pub(crate) struct Pair {
     candidate: Candidate,
     pub(crate) straightness: OfCurve,
     pub(crate) angle: OfCurve,
 }
 
-/// What one curve says.
+/// The bow by one curve.
 pub(crate) struct OfCurve {
     score: Score,
     estimate: Estimate,
@@ -68,20 +68,20 @@ impl Pair {
         })
     }
 
-    /// Whether both ask for the same one.
+    /// Whether both curves show the same bow.
     pub(crate) fn is_bent(&self) -> bool {
         let [(b1, v1), (b2, v2)] = [&self.straightness, &self.angle].map(OfCurve::bow);
         let each = self.straightness.score.ln_p.max(self.angle.score.ln_p) < EACH.ln();
         each && (b1 - b2).abs() <= AGREE * (v1 + v2).sqrt() && b1 * b2 > 0.0
     }
 
-    /// The bow, with the factors on the variances of both curves ([`variance_factor`]); its p-value beside others is to be
-    /// filled in.
+    /// The bow, with the factors on the variances of both curves ([`variance_factor`]); its family-wise p-value is
+    /// filled in later.
     pub(crate) fn found(self, [of_straightness, of_angle]: [f64; 2]) -> Found {
         let [(b1, v1), (b2, v2)] = [&self.straightness, &self.angle].map(OfCurve::bow);
         let (v1, v2) = (v1 * of_straightness, v2 * of_angle);
         let mean = (b1 / v1 + b2 / v2) / (1.0 / v1 + 1.0 / v2);
-        // Birge ratio: two curves that differ by more than they should know the bow less well.
+        // Birge ratio: estimates that differ by more than they should are less certain.
         let birge = ((b1 - b2).powi(2) / (v1 + v2)).max(1.0);
         let (own, score, score_angle) = (
             self.straightness.estimate,
@@ -121,7 +121,7 @@ impl OfCurve {
         })
     }
 
-    /// Its value and variance.
+    /// The bow and its variance.
     fn bow(&self) -> (f64, f64) {
         (
             self.estimate.parameters[0],
@@ -129,19 +129,19 @@ impl OfCurve {
         )
     }
 
-    /// The square of its value in standard uncertainties.
+    /// The square of the bow in standard uncertainties.
     pub(crate) fn square(&self) -> f64 {
         let (bow, variance) = self.bow();
         bow * bow / variance
     }
 }
 
-/// The variance of a bow in a curve as a multiple of that which the model of the rest gives it, from the bows of curves of
-/// its kind that have none, squares in units of theirs.
+/// Factor on the variance of a bow in a curve by the model of the rest, from the bows of similar curves without one,
+/// as squares in units of their variances.
 ///
-/// How steep a guideway is beside its bends is an assumption of the model, which its own curve cannot test. If it holds, the
-/// mean of the squares is 1. Where they are larger, the bow at hand is as likely to be off: its distribution is Student's,
-/// with the variance of `n/(n - 2)` mean squares.
+/// How steep a guideway is relative to its bends is an assumption of the model, which its own curve cannot test. If
+/// the assumption holds, the mean of the squares is 1. If they are larger, the bow is as likely to be off: its
+/// distribution is Student's, with the variance of `n/(n - 2)` mean squares.
 pub(crate) fn variance_factor(squares: &[f64]) -> f64 {
     match squares.len() {
         0..=2 => 1.0,
@@ -153,7 +153,7 @@ pub(crate) fn variance_factor(squares: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Slopes of straight guideways that are steeper than the model takes them for, and such as it expects.
+    /// Slopes of straight guideways that are steeper than the model assumes, and some that it expects.
     #[test]
     fn steep_curves_of_straight_guideways_widen_a_bow() {
         assert!((variance_factor(&[4.0, 9.0, 1.0, 0.0, 1.0]) - 5.0).abs() < 1e-12);

@@ -1,11 +1,11 @@
-//! What is looked for in which curves: the effects of which one curve alone tells ([`Effect::is_of_curve`]).
+//! Effects to be looked for in each set of curves: those that one curve alone shows ([`Effect::is_of_curve`]).
 //!
-//! `guideway_bow` joins two sets ([`crate::components::bow`]). Periods run from twice the step, the
-//! shortest that equal steps tell from a longer one, to half the travel: what does not repeat at least
-//! twice is not called periodic. Waves per turn are whole numbers; where a small part of a turn does not tell neighbouring ones
-//! apart, they are tried as far apart as periods are. They are tried over any part of a turn, but named only where two waves show,
-//! of one or two per turn, which every rotary axis may have, one ([`shows_its_waves`]): a part of a wave looks like any smooth
-//! curve, with an arbitrary amplitude.
+//! `guideway_bow` joins two sets ([`crate::components::bow`]). Periods run from twice the step, the shortest that
+//! equal steps distinguish from a longer one, to half the travel: what does not repeat at least twice is not called
+//! periodic. Waves per turn are whole numbers; if a small part of a turn does not distinguish neighbouring numbers,
+//! those tried are as far apart as periods are. All are tried over any part of a turn, but named only if two waves
+//! show; one is enough of one or two per turn, which every rotary axis may have ([`shows_its_waves`]). Part of a wave
+//! looks like any smooth curve, with an arbitrary amplitude.
 
 use std::f64::consts::TAU;
 
@@ -14,7 +14,7 @@ use trueaxis_selection::Hypothesis;
 
 use crate::components::curve_set::CurveSet;
 
-/// An effect on a set of curves, with all shapes that it may have.
+/// An effect on a set of curves, with all its possible shapes.
 #[derive(Debug, Clone)]
 pub(crate) struct Candidate {
     pub(crate) hypothesis: Hypothesis,
@@ -24,17 +24,17 @@ pub(crate) struct Candidate {
     pub(crate) shapes: Vec<f64>,
 }
 
-/// Frequencies in one over the travel: at half of this distance from a grid point a sine is 13 % of a
-/// radian off at the ends, and less than 1 % of its squares are lost.
+/// Grid points for each frequency unit of one over the travel: half way between two of them a sine is 13 % of a
+/// radian off at the ends, and less than 1 % of its squares is lost.
 const FREQUENCIES_PER_TRAVEL: f64 = 4.0;
 
-/// Times that a period must fit into the travel.
+/// Number of times that a period must fit into the travel.
 const FEWEST_PERIODS: f64 = 2.0;
 
-/// Waves per turn that every rotary axis may have: what is eccentric, and what is oval.
+/// Waves per turn that every rotary axis may have: one by eccentricity, two by ovality.
 const KNOWN_WAVES: f64 = 2.0;
 
-/// Steps per period that tell it from a longer one.
+/// Steps per period that distinguish it from a longer one.
 const STEPS_PER_PERIOD: f64 = 2.0;
 
 /// All candidates of a set.
@@ -75,10 +75,10 @@ impl Candidate {
     }
 }
 
-/// Equal steps of the frequency.
+/// Periods at equal steps of the frequency.
 fn periods(set: &CurveSet) -> Vec<f64> {
     let travel = set.travel();
-    // Of waves two steps long the steps show one phase only; where no other positions were measured, no more can be known.
+    // At these steps waves two steps long show one phase only; without other positions no more can be known.
     let untold = if set.thinned.is_some() { 1.0 } else { 0.0 };
     let highest = travel / (STEPS_PER_PERIOD * set.step()) - untold / FREQUENCIES_PER_TRAVEL;
     let count = FREQUENCIES_PER_TRAVEL * (highest - FEWEST_PERIODS);
@@ -89,21 +89,21 @@ fn periods(set: &CurveSet) -> Vec<f64> {
         .collect()
 }
 
-/// Whether a period is no longer than two steps: it may as well be shorter.
+/// Whether a period is two steps or less: the true one may as well be shorter.
 pub(crate) fn is_shortest(set: &CurveSet, period: f64) -> bool {
     period <= STEPS_PER_PERIOD * set.measured_step() * (1.0 + ROUNDING)
 }
 
-/// Of a quotient of positions.
+/// Relative rounding of a quotient of positions.
 const ROUNDING: f64 = 1e-9;
 
-/// The shortest period whose sine and cosine the steps tell from each other: half a distance in frequency from two steps,
-/// where the worse one of the two still reaches seven tenths of its size.
+/// The shortest period whose sine and cosine the steps distinguish: half a grid distance in frequency from two steps,
+/// where the weaker of the two still has seven tenths of its size.
 pub(crate) fn shortest_told(set: &CurveSet) -> f64 {
     (measured_most(set) - 0.5 / (FREQUENCIES_PER_TRAVEL * set.travel())).recip()
 }
 
-/// The highest frequency that the measured positions tell from a lower one, in one over mm or rad.
+/// The highest frequency that the measured positions distinguish from a lower one, in one over mm or rad.
 pub(crate) fn measured_most(set: &CurveSet) -> f64 {
     (STEPS_PER_PERIOD * set.measured_step()).recip()
 }
@@ -113,7 +113,7 @@ pub(crate) fn spacing(set: &CurveSet, period: f64) -> f64 {
     period * period / (FREQUENCIES_PER_TRAVEL * set.travel())
 }
 
-/// Whole numbers from `fewest` while a wave has two steps, as far apart as the travel tells them.
+/// Whole numbers of waves from `fewest` to one wave in two steps, as close together as the travel distinguishes.
 fn waves(set: &CurveSet, fewest: u32) -> Vec<f64> {
     let most = most_waves(set);
     let apart = waves_apart(set).unwrap_or(1.0);
@@ -121,19 +121,19 @@ fn waves(set: &CurveSet, fewest: u32) -> Vec<f64> {
     whole.take_while(|&waves| waves <= most).collect()
 }
 
-/// Waves a turn of two steps each.
+/// Number of waves per turn with two steps each.
 pub(crate) fn most_waves(set: &CurveSet) -> f64 {
     TAU / (STEPS_PER_PERIOD * set.step()) * (1.0 + f64::EPSILON.sqrt())
 }
 
-/// Distance of neighbouring waves a turn of the search, if the travel is a part of a turn that does not tell all whole numbers.
+/// Distance of neighbouring numbers of waves in the search, if the part of a turn does not distinguish all.
 pub(crate) fn waves_apart(set: &CurveSet) -> Option<f64> {
     let apart = (TAU / (FREQUENCIES_PER_TRAVEL * set.travel())).floor();
     (apart >= 2.0).then_some(apart)
 }
 
-/// Whether the positions show enough of the waves of a turn for these to be named. Where they do not, the waves stay in the model all
-/// the same: else other effects would share what is theirs.
+/// Whether the positions show enough of the waves of a turn to name them. If not, the waves stay in the model all the
+/// same, or other effects would take their part.
 pub(crate) fn shows_its_waves(set: &CurveSet, effect: &Effect, shape: f64) -> bool {
     effect.waves(shape).is_none_or(|waves| {
         let enough = if waves <= KNOWN_WAVES {
@@ -145,7 +145,7 @@ pub(crate) fn shows_its_waves(set: &CurveSet, effect: &Effect, shape: f64) -> bo
     })
 }
 
-/// The part of a turn that the positions go through: the last of equal steps that close the turn is the first.
+/// The part of a turn covered by the positions: at equal steps that close the turn the last position is the first.
 fn range(set: &CurveSet) -> f64 {
     (set.travel() + set.step()) / TAU
 }

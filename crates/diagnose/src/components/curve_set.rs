@@ -1,4 +1,4 @@
-//! The curves of a calibration, in the sets that effects act on, and what the gauge takes of them.
+//! The curves of a calibration in sets on which effects act, and what the gauge takes out of them.
 //!
 //! | axis | set | base B |
 //! | --- | --- | --- |
@@ -8,7 +8,7 @@
 //! | rotary | both curves of ε across the axis | the same |
 //! | rotary | δ along the axis; ε about it | `1` |
 //!
-//! Where the two sides of approach have curves of their own, half their difference joins as a constant.
+//! Where the two sides of approach have curves of their own, half their difference joins the base as a constant.
 
 use nalgebra::{DMatrix, Rotation3, Vector3};
 use trueaxis_calibrate::{AxisResult, Calibration};
@@ -36,35 +36,34 @@ pub(crate) struct CurveSet {
     pub(crate) values: Vec<f64>,
     /// Their covariance.
     pub(crate) covariance: DMatrix<f64>,
-    /// What the gauge takes.
+    /// Base: what the gauge takes out.
     pub(crate) base: Vec<Vec<f64>>,
-    /// Steps between which others were left out, if any were.
+    /// All steps, if some were left out.
     pub(crate) thinned: Option<Thinned>,
 }
 
-/// What a thinned set does not hold.
+/// A set before it was thinned.
 #[derive(Debug, Clone)]
 pub(crate) struct Thinned {
     /// All steps, as [`CurveSet::nodes`].
     pub(crate) nodes: Vec<(f64, f64)>,
     /// Values there, curve after curve.
     pub(crate) values: Vec<f64>,
-    /// One in so many was kept.
+    /// One step in this many was kept.
     pub(crate) stride: usize,
 }
 
-/// Steps below which a curve says nothing about the rest of itself: the base and an effect with a
-/// period take up to five.
+/// Fewest steps at which a curve says anything about its rest: the base and an effect with a period take up to five.
 pub(crate) const FEWEST_STEPS: usize = 8;
 
-/// Steps of an axis above which they are subsampled: the cost of its six curves grows with their third power. Waves that the kept ones
-/// show as longer ones are told from these on all of them ([`crate::components::aliases`]).
+/// Most steps of an axis; more are thinned, because the cost of its six curves grows with their third power. Of waves
+/// that look alike at the kept steps all steps show the true one ([`crate::components::aliases`]).
 const MOST_STEPS: usize = 96;
 
-/// The same of a line, which is one curve.
+/// Most steps of a line, which is one curve.
 const MOST_STEPS_OF_LINE: usize = 400;
 
-/// All sets of all axes; what is too short is named in `notices`.
+/// All sets of all axes; axes with too few steps are named in `notices`.
 pub(crate) fn curve_sets(
     calibration: &Calibration,
     machine: &Machine,
@@ -101,7 +100,7 @@ pub(crate) fn curve_sets(
     sets
 }
 
-/// Every `stride`-th node of each side of approach, in order, so that sides that take turns lose equally many.
+/// Every `stride`-th node of each side of approach, in order, so that alternating sides lose equally many.
 fn thinned(sides: &[Option<Direction>], stride: usize) -> Vec<usize> {
     let kept = [None, Some(Direction::Backward), Some(Direction::Forward)].map(|side| {
         let own = (0..sides.len()).filter(move |&node| sides[node] == side);
@@ -127,7 +126,7 @@ fn groups(axis: &Axis) -> Vec<Vec<Component>> {
 }
 
 impl CurveSet {
-    /// The nodes of the curves of an axis that are kept.
+    /// The curves of an axis at the kept nodes.
     fn new(
         calibration: &Calibration,
         result: &AxisResult,
@@ -153,7 +152,7 @@ impl CurveSet {
         Self::of_kept((result.axis, content), components, all, kept, covariance)
     }
 
-    /// One curve that was read as a positioning line, µm or arcsec at positions in mm or rad, its values independent.
+    /// One curve from a positioning line, µm or arcsec at positions in mm or rad, with independent values.
     pub(crate) fn of_line(
         axis: usize,
         content: &Axis,
@@ -174,7 +173,7 @@ impl CurveSet {
         Self::of_kept((axis, content), vec![component], all, &kept, covariance)
     }
 
-    /// Curves of which some nodes are kept, with the covariance of their values there.
+    /// Curves at the kept nodes, with the covariance of their values there.
     fn of_kept(
         (axis, content): (usize, &Axis),
         components: Vec<Component>,
@@ -198,7 +197,7 @@ impl CurveSet {
         set
     }
 
-    /// That not all of its positions were used, if so.
+    /// The notice that not all of its positions were used, if so.
     pub(crate) fn notice(&self, whose: &str) -> Option<String> {
         let thinned = self.thinned.as_ref()?;
         Some(format!(
@@ -209,7 +208,7 @@ impl CurveSet {
         ))
     }
 
-    /// Curve after curve, what a function of curve and step says.
+    /// A function of curve and step as a column, curve after curve.
     fn column(&self, value: impl Fn(usize, f64, f64) -> f64) -> Vec<f64> {
         self.column_at(&self.nodes, value)
     }
@@ -254,7 +253,7 @@ impl CurveSet {
         base
     }
 
-    /// Whether it is a translation across a linear axis.
+    /// Whether it is the straightness of a linear axis.
     pub(crate) fn is_straightness(&self) -> bool {
         let component = self.components[0];
         self.content.kind() == AxisKind::Linear
@@ -262,7 +261,7 @@ impl CurveSet {
             && component.index() != self.content.principal()
     }
 
-    /// From the first to the last position, mm or rad.
+    /// The distance from the first to the last position, mm or rad.
     pub(crate) fn travel(&self) -> f64 {
         let [low, high] = extremes(self.nodes.iter().map(|node| node.0));
         high - low
@@ -279,18 +278,18 @@ impl CurveSet {
         step_of(&self.nodes)
     }
 
-    /// The same of all positions that were measured.
+    /// The median distance of all measured neighbouring positions.
     pub(crate) fn measured_step(&self) -> f64 {
         let all = self.thinned.as_ref();
         step_of(all.map_or(&self.nodes, |all| &all.nodes))
     }
 
-    /// What the gauge leaves of curves.
+    /// Curves after the gauge.
     pub(crate) fn after_gauge(&self, curves: Vec<f64>) -> Projection {
         Projection::dense(curves, &self.base)
     }
 
-    /// What units of the parameters of a candidate add to the curves at a shape, µm or arcsec.
+    /// Changes of the curves, µm or arcsec, by a unit of each parameter of a candidate with this shape.
     pub(crate) fn columns(&self, candidate: &Candidate, shape: f64) -> Vec<Vec<f64>> {
         self.columns_at(&self.nodes, candidate, shape)
     }
@@ -328,12 +327,12 @@ fn step_of(nodes: &[(f64, f64)]) -> f64 {
     median(&mut gaps).unwrap_or(0.0)
 }
 
-/// One component, µm or arcsec.
+/// One component of an error, µm or arcsec.
 fn in_unit(error: &MotionError, component: Component) -> f64 {
     error.to_vector()[component.index()] / Unit::of_component(component).size()
 }
 
-/// Of the nodes of the curves of an axis that are kept, µm and arcsec.
+/// The covariance at the kept nodes of the curves of an axis, µm and arcsec.
 fn covariance(
     calibration: &Calibration,
     result: &AxisResult,
@@ -357,7 +356,7 @@ fn covariance(
 mod tests {
     use super::*;
 
-    /// Nodes are sorted by position, backward before forward: every second of all would be those of one side.
+    /// Nodes are sorted by position, backward before forward: every second node would be one side only.
     #[test]
     fn both_sides_of_approach_are_thinned_alike() {
         let both = [Some(Direction::Backward), Some(Direction::Forward)];

@@ -1,16 +1,16 @@
-//! The values of an effect with their uncertainties, whatever the size of the rest of the curve.
+//! The values of an effect with their uncertainties, averaged over the sizes of the rest of the curve.
 //!
-//! For each size (s, w) the parameters have an estimate and a covariance; over all sizes, with the
-//! weights of [`crate::components::judgement`], they have the mean
+//! For each size (s, w) the parameters have an estimate and a covariance; over all sizes, with the weights of
+//! [`crate::components::judgement`], these become
 //!
 //! ```text
 //! θ = Σ π θ(s,w)        cov = Σ π [cov(s,w) + (θ(s,w) - θ)(θ(s,w) - θ)ᵀ]
 //! ```
 //!
-//! A period is found by Gauss-Newton from the best one of the search: the derivative of the effect with
-//! respect to it joins as a column, so that the uncertainties of amplitude, phase and period know of
-//! each other. So are the waves a turn of which only a small part was measured, rounded at the end. Meanwhile a wave has its phase in
-//! the middle of the positions, where the period does not move it; at zero it may be turned by any number of waves.
+//! A period is found by Gauss-Newton from the best one of the search: the derivative of the effect with respect to it
+//! joins as a column, so that the covariance includes amplitude, phase and period. So are waves per turn where only a
+//! small part of a turn was measured; they are rounded at the end. Meanwhile the phase of a wave is that in the middle
+//! of the positions, where the period does not change it; at zero it may be off by any number of waves.
 
 use std::f64::consts::TAU;
 
@@ -36,18 +36,18 @@ pub(crate) struct Estimate {
     pub(crate) covariance: DMatrix<f64>,
     /// The shape.
     pub(crate) shape: f64,
-    /// Its standard uncertainty; zero for what is not estimated.
+    /// Its standard uncertainty; zero if it is not estimated.
     pub(crate) u_shape: f64,
-    /// What it adds to the curves, µm or arcsec.
+    /// The effect in the curves, µm or arcsec.
     pub(crate) curve: Vec<f64>,
-    /// The columns that take it out of a model to first order, with that of the period.
+    /// The columns that remove the effect from a model to first order, including that of the period.
     pub(crate) columns: Vec<Vec<f64>>,
 }
 
 /// Largest number of Gauss-Newton steps; three bring the period to its last digits.
 const MAX_STEPS: usize = 8;
 
-/// A step of the period that ends the iteration, in standard uncertainties.
+/// Last step of the period in the iteration, in standard uncertainties.
 const STEP_TOL: f64 = 1e-3;
 
 /// Estimates a candidate from a shape near the right one.
@@ -118,7 +118,7 @@ pub(crate) fn estimate(
     }
 }
 
-/// Columns of sine and cosine about a place from those about zero: `ωx₀` is the angle.
+/// Columns of sine and cosine about a position from those about zero: `ωx₀` is the angle.
 fn about(columns: &[Vec<f64>], angle: f64) -> Vec<Vec<f64>> {
     let (sin, cos) = angle.sin_cos();
     let rows = columns[0].len();
@@ -127,8 +127,8 @@ fn about(columns: &[Vec<f64>], angle: f64) -> Vec<Vec<f64>> {
         .into()
 }
 
-/// Sine and cosine about zero with their covariance, from those about a place and, where it is estimated, the period: `2πx₀`, the period
-/// and its unit in the covariance.
+/// Sine and cosine about zero with their covariance, from those about a position and, where it is estimated, the
+/// period; with `2πx₀`, the period and its unit in the covariance.
 fn at_zero(
     about: &[f64],
     covariance: &DMatrix<f64>,
@@ -148,8 +148,8 @@ fn at_zero(
     (vec![s, c], at_zero)
 }
 
-/// Between which values a shape is estimated: a period not beyond the travel, nor to where the steps show one phase only; none of what
-/// is known from the search.
+/// Limits within which a shape is estimated: a period up to the travel and down to where the steps show one phase
+/// only; `None` if the search has determined the shape.
 fn range_of_shape(set: &CurveSet, kind: Shape, shape: f64) -> Option<[f64; 2]> {
     match kind {
         Shape::Period if !is_shortest(set, shape) => Some([shortest_told(set), set.travel()]),
@@ -158,7 +158,7 @@ fn range_of_shape(set: &CurveSet, kind: Shape, shape: f64) -> Option<[f64; 2]> {
     }
 }
 
-/// Mean and covariance of the columns' factors over all sizes of the rest.
+/// Mean and covariance of the coefficients of columns over all sizes of the rest.
 fn mixture(backgrounds: &[Background], columns: &[Vec<f64>]) -> (DVector<f64>, DMatrix<f64>) {
     let n = columns.len();
     let mut of_sizes: Vec<(f64, DVector<f64>, DMatrix<f64>)> = Vec::new();

@@ -1,16 +1,16 @@
-//! How much was looked at.
+//! The number of tests made.
 
 use std::collections::BTreeMap;
 
 use trueaxis_selection::Null;
 
-/// What is tested of each effect, on the whole machine.
+/// The tests of each effect, on the whole machine.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Family {
     tests: BTreeMap<&'static str, Vec<Null>>,
 }
 
-/// A cause is named below this probability of any false one.
+/// Largest family-wise p-value of a named cause.
 pub(crate) const LEVEL: f64 = 0.01;
 
 impl Family {
@@ -19,7 +19,7 @@ impl Family {
         self.tests.entry(effect).or_default().push(tests);
     }
 
-    /// Family-wise p-value of an effect: each effect has the same part, its own tests share it, so
+    /// Family-wise p-value of an effect. Each effect has the same share of the level, which its own tests share, so
     /// that an effect with one hypothesis for an axis does not pay for the many periods of another.
     pub(crate) fn p_value(&self, effect: &str, ln_p: f64) -> f64 {
         let own = self.tests.get(effect).into_iter().flatten();

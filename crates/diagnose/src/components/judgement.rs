@@ -1,8 +1,8 @@
-//! How far an effect stands out of the rest of a curve, whatever the size of that rest.
+//! How far an effect stands out from the rest of a curve, averaged over the sizes of that rest.
 //!
-//! For one size (s, w) of the rest the effect lowers the sum of squares by `T = uᵀ G⁺ u`, which for
-//! nothing but the rest is χ² with as many degrees of freedom as the data see directions. Its p-value is
-//! the mean of these tails over all sizes, with weights
+//! For one size (s, w) of the rest the effect lowers the sum of squares by `T = uᵀ G⁺ u`, which under the rest alone
+//! is χ² with as many degrees of freedom as the data see directions. Its p-value is the mean of these tails over all
+//! sizes, with weights
 //!
 //! ```text
 //! π(s, w) ∝ prior · L(s, w) · exp(T/2) / √det G
@@ -20,9 +20,9 @@ use crate::components::candidates::Candidate;
 use crate::components::curve_set::CurveSet;
 use crate::components::ln_chi_squared::ln_chi_squared;
 
-/// A candidate in front of every size of the rest.
+/// A candidate judged for every size of the rest.
 pub(crate) struct Judgement {
-    /// For each shape, all sizes of the rest under which the data see the effect.
+    /// For each shape, all sizes of the rest for which the data see the effect.
     tails: Vec<Vec<Tail>>,
 }
 
@@ -35,16 +35,16 @@ struct Tail {
     evidence: f64,
 }
 
-/// A tail with the coordinates that its evidence follows from.
+/// A tail with the coordinates from which its evidence follows.
 type WithCoordinates = (Tail, Vec<(f64, f64)>);
 
-/// Natural logarithm of the weight, against the largest, below which a size of the rest is left out of
-/// the evidence: e⁻²⁰ of the sum.
+/// Logarithm of the weight, relative to the largest, below which a size of the rest is left out of the evidence: e⁻²⁰
+/// of the sum.
 const NEGLIGIBLE: f64 = -20.0;
 
 impl Judgement {
-    /// Whitens the candidate's columns for each size. What is as long as the curve is dropped at once: many shapes times many sizes
-    /// of it would not fit into memory.
+    /// Whitens the candidate's columns for each size. Numbers as long as the curve are dropped at once: for many
+    /// shapes and sizes they would not fit into memory.
     pub(crate) fn new(set: &CurveSet, backgrounds: &[Background], candidate: &Candidate) -> Self {
         let raw = columns(set, candidate);
         let alike = backgrounds.par_chunk_by(Background::is_turned_as);
@@ -72,7 +72,7 @@ impl Judgement {
         }
     }
 
-    /// The best shape and its judgement; `number` is that of the candidate. None if no shape is seen.
+    /// The best shape and its judgement; `number` is that of the candidate. `None` if the data see no shape.
     pub(crate) fn score(
         &self,
         backgrounds: &[Background],
@@ -114,7 +114,7 @@ impl Judgement {
             }
         }
         let mut best = best?;
-        // Prior: the subjects and shapes of an effect share alike.
+        // Prior: all subjects and shapes of an effect are equally likely.
         let mean = ln_sum(evidences.iter().map(|e| 0.5 * e)) - (evidences.len() as f64).ln();
         best.evidence = 2.0 * (mean - (candidate.hypothesis.subjects as f64).ln());
         Some(best)
@@ -208,13 +208,13 @@ fn of_sizes(
 }
 
 impl Tail {
-    /// Of the size of the rest, with the effect in the model; not normalised.
+    /// Logarithm of the posterior of the size of the rest, with the effect in the model; not normalised.
     fn ln_posterior(&self) -> f64 {
         self.ln_weight + 0.5 * (self.statistic - self.ln_determinant)
     }
 }
 
-/// The columns of all shapes side by side, as many of each as there are parameters.
+/// The columns of all shapes side by side, one for each parameter of each shape.
 fn columns(set: &CurveSet, candidate: &Candidate) -> DMatrix<f64> {
     let shapes = candidate.shapes.iter();
     let columns: Vec<Vec<f64>> = shapes.flat_map(|&s| set.columns(candidate, s)).collect();

@@ -1,7 +1,7 @@
-//! What the mean curve of a positioning line consists of, where no calibration says what it should be.
+//! Named parts of the mean curve of a positioning line without a calibration to compare it with.
 //!
-//! The curve contradicts nothing: it is the machine as far as anyone knows. But what repeats along it, or is in
-//! proportion to position, has a name, and is found as in the curves of a calibration: on a smooth background.
+//! The curve contradicts nothing: it is the machine as far as known. But periodic parts, or one proportional to
+//! position, have a name, and are found as in the curves of a calibration: on a smooth background.
 
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, Ideal, MICROMETRE};
 
@@ -12,15 +12,15 @@ use crate::components::search::Search;
 use crate::verification::base::{count, lines, places};
 use crate::verification::comparison::Comparison;
 
-/// Standard deviation that stands for the noise of readings without repeats, µm: next to nothing, so that the rough
-/// rest of the curve takes its place.
+/// Standard deviation assumed for readings without repeats, µm: next to nothing, so that the rough rest of the curve
+/// replaces it.
 const NO_REPEATS_UM: f64 = 1e-3;
 
-/// Gaps of a line that is read in steps, in their median.
+/// Largest gap of a line that is read in steps, relative to the median gap.
 const MOST_STEPS_APART: f64 = 3.0;
 
-/// Named parts of the mean curve; `None` where there is no curve to explain: a ball bar, several lines, few positions, or gaps between groups of
-/// them.
+/// Named parts of the mean curve; `None` without a suitable curve: for a ball bar, several lines, few positions, or
+/// groups of positions with gaps between them.
 pub(crate) fn diagnose_line_curve(
     comparison: &Comparison<'_>,
     noise_um: Option<f64>,
@@ -47,7 +47,7 @@ pub(crate) fn diagnose_line_curve(
     for place in 0..count {
         let own = || (0..places.len()).filter(|&row| places[row] == place);
         let first = own().next()?;
-        // One unit of the curve in µm of the readings.
+        // Size in µm of the readings of one unit of the curve.
         let unit_um = match content.kind() {
             AxisKind::Linear => 1.0,
             AxisKind::Rotary => {
@@ -64,7 +64,7 @@ pub(crate) fn diagnose_line_curve(
             let rows: Vec<f64> = rows.map(|row| comparison.difference_um[row]).collect();
             (!rows.is_empty()).then(|| rows.iter().sum::<f64>() / rows.len() as f64)
         };
-        // The mean of the two sides, so that lost motion has no part in it.
+        // The mean of the two sides is free of lost motion.
         let sides: Vec<f64> = [1.0, -1.0].into_iter().filter_map(of_side).collect();
         let readings = own().count() as f64;
         let sigma = noise_um.unwrap_or(NO_REPEATS_UM) / unit_um;
@@ -75,7 +75,7 @@ pub(crate) fn diagnose_line_curve(
     if values.iter().any(|value| !value.is_finite()) {
         return None;
     }
-    // Between groups of neighbouring stops a wave of any length fits.
+    // Waves of any length fit between groups of neighbouring stops.
     let largest = nodes.windows(2).map(|pair| pair[1] - pair[0]);
     let largest = largest.fold(0.0, f64::max);
     let set = CurveSet::of_line(axis, content, component, nodes, values, variances);

@@ -1,4 +1,4 @@
-//! Tail of the χ² distribution by its logarithm: causes are often certain beyond what an f64 holds.
+//! Tail of the χ² distribution by its logarithm: p-values are often too small for an f64.
 
 use statrs::function::erf::erfc;
 
@@ -40,7 +40,7 @@ fn scaled_erfc(z: f64) -> f64 {
     (1.0 - q + 3.0 * q * q) / (z * std::f64::consts::PI.sqrt())
 }
 
-/// Where `erfc` is still far from underflow and the series has ten digits.
+/// Smallest z at which the series has ten digits; `erfc` is still far from underflow.
 const LARGE: f64 = 20.0;
 
 #[cfg(test)]

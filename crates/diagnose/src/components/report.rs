@@ -12,7 +12,7 @@ use crate::components::search::Found;
 use crate::engine::with_uncertainties;
 use crate::fitted::{Fitted, Row};
 
-/// Lever at which angles count in an rms of displacements, mm: the size of a workpiece.
+/// Lever by which angles enter an rms of displacements, mm: the size of a workpiece.
 const LEVER_MM: f64 = 100.0;
 
 /// Relative difference of the parameters for the derivatives of amplitude and phase.
@@ -22,7 +22,7 @@ pub(crate) fn cause(set: &CurveSet, found: &Found, scene: &Scene) -> Cause {
     let hypothesis = &found.candidate.hypothesis;
     let estimate = &found.estimate;
     let n = estimate.parameters.len();
-    // Waves as short as two steps may as well be shorter ones: the period is at most that, with no uncertainty.
+    // Waves of two steps may as well be shorter: the period is an upper limit, without an uncertainty.
     let has_period = hypothesis.effect.shape == Shape::Period;
     let u_shape = match has_period && is_shortest(set, estimate.shape) {
         true => f64::INFINITY,
@@ -53,10 +53,9 @@ pub(crate) fn cause(set: &CurveSet, found: &Found, scene: &Scene) -> Cause {
     }
 }
 
-/// `s sin + c cos = A sin(… + φ)` has `A = √(s² + c²)` and `φ = atan2(c, s)`. Of two directions the
-/// point runs on an ellipse, the sum of a circle with and one against the sense of the waves; A is the
-/// sum of their radii, half its long axis. Of waves of two steps the positions show one phase, whatever the true one is, and
-/// only the part of the amplitude that is in this phase.
+/// `s sin + c cos = A sin(… + φ)` has `A = √(s² + c²)` and `φ = atan2(c, s)`. In two directions the point moves on an
+/// ellipse, the sum of two circles in opposite senses; A is the sum of their radii, half its long axis. Of waves of
+/// two steps the positions show one fixed phase, and only the part of the amplitude in this phase.
 fn amplitude_and_phase(
     found: &Found,
     unit: &'static str,
@@ -106,7 +105,7 @@ fn u_of(found: &Found, f: &dyn Fn(&[f64]) -> f64) -> f64 {
         .sqrt()
 }
 
-/// The curve of the set in which the effect is largest, both after what the gauge takes.
+/// The curve of the set with the largest effect, both after the gauge.
 fn fitted(set: &CurveSet, effect: &[f64], scene: &Scene) -> Option<Fitted> {
     let [values, effect] = [&set.values[..], effect].map(|y| set.after_gauge(y.to_vec()).residuals);
     let row = |(i, (misfit, fitted))| {
@@ -128,8 +127,7 @@ fn fitted(set: &CurveSet, effect: &[f64], scene: &Scene) -> Option<Fitted> {
     Some(fitted.of_angles(set.components[0].is_angular()))
 }
 
-/// By what part the squares of the curves fall without the effect, and the rms of the effect, both after
-/// what the gauge takes.
+/// Relative drop of the squares of the curves without the effect, and the rms of the effect, both after the gauge.
 fn share_and_rms(set: &CurveSet, effect: &[f64]) -> (f64, f64) {
     let all = set.after_gauge(set.values.clone()).squares();
     let pairs = set.values.iter().zip(effect);

@@ -1,4 +1,4 @@
-//! One effect at a time, each with the earlier ones in the model; at the end each against all others.
+//! The search for effects: one at a time with the earlier ones in the model; at the end each with all others.
 
 use rayon::prelude::*;
 use trueaxis_effects::Scene;
@@ -26,11 +26,11 @@ pub(crate) struct Search<'a> {
 /// One set of curves.
 pub(crate) struct SetSearch {
     pub(crate) set: CurveSet,
-    /// Of the size of its smooth rest.
+    /// Prior of the size of its smooth rest.
     pub(crate) prior: SmoothPrior,
     candidates: Vec<Candidate>,
     smooth: Vec<Smooth>,
-    /// What was found so far.
+    /// The effects found so far.
     pub(crate) found: Vec<Found>,
 }
 
@@ -39,15 +39,15 @@ pub(crate) struct SetSearch {
 pub(crate) struct Found {
     pub(crate) candidate: Candidate,
     pub(crate) estimate: Estimate,
-    /// Its judgement, with all others in the model.
+    /// Its judgement with all others in the model.
     pub(crate) score: Score,
-    /// Family-wise.
+    /// Family-wise p-value.
     pub(crate) p_value: f64,
-    /// What explains the curves nearly as well.
+    /// Other explanations that fit the curves nearly as well.
     pub(crate) rivals: Vec<Rival>,
 }
 
-/// Effects of one set: more than that is a description of a curve, not an explanation.
+/// Most effects of one set: more would describe a curve, not explain it.
 const MOST_CAUSES: usize = 4;
 
 impl<'a> Search<'a> {
@@ -69,7 +69,7 @@ impl<'a> Search<'a> {
     /// All causes, the most certain first.
     pub(crate) fn causes(mut self) -> Vec<Cause> {
         self.share_size_of_rest();
-        // How much is looked at, before anything is judged.
+        // Counts the tests before anything is judged.
         let first: Vec<Judged> = self.sets.par_iter().map(SetSearch::judged).collect();
         for (search, judged) in self.sets.iter().zip(&first) {
             search.count_tests(judged, &mut self.family);
@@ -106,7 +106,7 @@ impl<'a> Search<'a> {
             });
             for found in named {
                 let mut found = found.clone();
-                // A scale is the slope of a positioning, as a bow is that of an angle.
+                // A scale is the slope of a positioning curve, as a bow is that of an angle.
                 if found.candidate.hypothesis.effect.is_scale_of_axis() {
                     found.estimate.covariance *= factors[1];
                 }
@@ -127,7 +127,7 @@ impl<'a> Search<'a> {
         causes
     }
 
-    /// Gives each curve the prior that the others of its kind make.
+    /// Gives each curve the prior from the other curves of its kind.
     fn share_size_of_rest(&mut self) {
         let kind = |search: &SetSearch| {
             let angular = search.set.components[0].is_angular();
@@ -153,14 +153,14 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Places of each straightness and of the angle that is its slope.
+    /// Indices of each straightness and of the angle that is its slope.
     fn straightness_and_angle(&self) -> Vec<(usize, usize)> {
         let mut pairs = Vec::new();
         for (i, own) in self.sets.iter().enumerate() {
             if own.set.content.kind() != AxisKind::Linear || !own.set.is_straightness() {
                 continue;
             }
-            // Across both the axis and the straightness.
+            // The angle is about the direction normal to the axis and to the straightness.
             let (along, across) = (own.set.content.principal(), own.set.components[0].index());
             let angle = self.sets.iter().position(|other| {
                 other.set.axis == own.set.axis
@@ -172,20 +172,20 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The candidates of a set in front of every size of the rest.
+/// The candidates of a set, judged for every size of the rest.
 struct Judged {
     backgrounds: Vec<Background>,
     judgements: Vec<Judgement>,
 }
 
 impl SetSearch {
-    /// The curves under all sizes of the rest, with all that was found besides `without` in the model.
+    /// The curves for all sizes of the rest, with all effects found, except `without`, in the model.
     pub(crate) fn backgrounds(&self, without: Option<usize>) -> Vec<Background> {
         let model = self.model(without);
         backgrounds(&self.set, &self.smooth, &model, &self.prior)
     }
 
-    /// What is in the model besides `without`.
+    /// The base and all effects found, except `without`.
     fn model(&self, without: Option<usize>) -> Vec<Vec<f64>> {
         let mut base = self.set.base.clone();
         for (i, found) in self.found.iter().enumerate() {
@@ -207,7 +207,7 @@ impl SetSearch {
         }
     }
 
-    /// The effective number of tests of each effect, under the most likely rest.
+    /// The effective number of tests of each effect, for the most likely rest.
     fn count_tests(&self, judged: &Judged, family: &mut Family) {
         let Some(likely) = most_likely(&judged.backgrounds) else {
             return;
@@ -227,7 +227,7 @@ impl SetSearch {
         }
     }
 
-    /// Takes effects in until nothing stands out any more.
+    /// Adds effects until no other stands out.
     fn select(&mut self, mut judged: Judged, family: &Family) {
         while self.found.len() < MOST_CAUSES {
             let Some(found) = self.best(&judged, family) else {
@@ -238,7 +238,7 @@ impl SetSearch {
         }
     }
 
-    /// The one with the most evidence of those that stand out.
+    /// The effect with the most evidence among those that stand out.
     fn best(&self, judged: &Judged, family: &Family) -> Option<Found> {
         let numbered = self.candidates.iter().zip(&judged.judgements).enumerate();
         let scores: Vec<Score> = numbered
@@ -265,7 +265,7 @@ impl SetSearch {
         })
     }
 
-    /// The others that cannot be told from the leader.
+    /// The other effects that cannot be distinguished from the leader.
     fn rivals(&self, backgrounds: &[Background], leader: &Score, scores: &[Score]) -> Vec<Rival> {
         let Some(background) = most_likely(backgrounds) else {
             return Vec::new();
@@ -291,8 +291,8 @@ impl SetSearch {
             .collect()
     }
 
-    /// Each effect against the model with all others: out with what does not stand out any more, and
-    /// the values of what does.
+    /// Judges each effect with all others in the model: removes those that do not stand out, and updates the values
+    /// of the rest.
     fn confirm(&mut self, family: &Family) {
         if self.found.len() < 2 {
             return;

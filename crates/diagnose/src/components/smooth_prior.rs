@@ -1,22 +1,22 @@
 //! How large the smooth rest of a curve may be, from the other curves of the machine.
 //!
-//! A slope or a single wave is judged by the low frequencies of its own curve, and there are only three or
-//! four of them. But curves of one kind (translations, angles) on one machine are alike in size: the
-//! logarithms of their s spread about a common μ with the standard deviation τ,
+//! A slope or a single wave is judged by the low frequencies of its own curve, of which there are only three or four.
+//! But curves of one kind (translations, angles) on one machine are alike in size: the logarithms of their s scatter
+//! about a common μ with the standard deviation τ,
 //!
 //! ```text
 //! p(s) ∝ Σ_μ N(ln s; μ, τ²) Π_others ∫ N(ln s'; μ, τ²) L(s') d ln s'
 //! ```
 //!
-//! on the grid of s, flat in exp μ. The curve itself has no part in its prior, so that an effect in it does
-//! not make room for itself. Without other curves the prior is flat in s.
+//! on the grid of s, flat in exp μ. The curve itself does not enter its prior, so an effect in it does not inflate
+//! its own rest. Without other curves the prior is flat in s.
 
 use std::collections::BTreeMap;
 
 use crate::components::background::{Background, size};
 use crate::components::judgement::ln_sum;
 
-/// Logarithm of the prior mass of each size of the smooth rest, by its number in the grid.
+/// Logarithm of the prior mass of each size of the smooth rest, by its index in the grid.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SmoothPrior {
     ln_mass: Option<BTreeMap<i32, f64>>,
@@ -26,20 +26,20 @@ pub(crate) struct SmoothPrior {
 #[derive(Debug, Clone)]
 pub(crate) struct SmoothLikelihood(BTreeMap<i32, f64>);
 
-/// τ: two curves of a kind on one machine differ by a factor of three or so.
+/// τ: two curves of one kind on one machine typically differ by a factor of three.
 const SPREAD: f64 = 1.0;
 
-/// Sizes beyond those of the others that are looked at: four τ; farther out the prior is flat.
+/// Number of grid sizes beyond those of the others: four τ; farther out the prior is flat.
 const BEYOND: i32 = 12;
 
 impl SmoothPrior {
-    /// Of a curve, from the likelihoods of the others; flat in s if there are none.
+    /// The prior of a curve from the likelihoods of the others; flat in s if there are none.
     pub(crate) fn from_others(others: &[&SmoothLikelihood]) -> Self {
         let numbers = || others.iter().flat_map(|other| other.0.keys().copied());
         let (Some(low), Some(high)) = (numbers().min(), numbers().max()) else {
             return Self::default();
         };
-        // μ, and s beyond the range of the others by a few τ.
+        // μ, and s some τ beyond the range of the others.
         let apart = |a: i32, b: i32| size(a - b).ln() / SPREAD;
         let ln_normal = |a: i32, b: i32| -0.5 * apart(a, b).powi(2);
         let posterior: Vec<(i32, f64)> = (low..=high)
@@ -61,10 +61,10 @@ impl SmoothPrior {
         }
     }
 
-    /// Of the size with this number.
+    /// Logarithm of the prior mass of the size with this index.
     pub(crate) fn ln_mass(&self, number: i32) -> f64 {
         let Some(known) = &self.ln_mass else {
-            // In equal ratios a point stands for a width in proportion.
+            // In equal ratios a point represents an interval in proportion to s.
             return size(number).ln();
         };
         let ends = known.first_key_value().zip(known.last_key_value());
@@ -74,7 +74,7 @@ impl SmoothPrior {
 }
 
 impl SmoothLikelihood {
-    /// From all sizes of the rest of a curve.
+    /// The likelihood from all sizes of the rest of a curve.
     pub(crate) fn new(backgrounds: &[Background]) -> Self {
         let mut of_sizes: BTreeMap<i32, Vec<f64>> = BTreeMap::new();
         for background in backgrounds {
@@ -88,7 +88,7 @@ impl SmoothLikelihood {
         )
     }
 
-    /// Below the smallest size nothing changes any more; above the largest it is impossible.
+    /// Logarithm of the likelihood at an index: below the smallest size it is constant, above the largest it is zero.
     fn at(&self, number: i32) -> Option<f64> {
         let (lowest, value) = self.0.first_key_value()?;
         if number < *lowest {
@@ -103,7 +103,7 @@ impl SmoothLikelihood {
 mod tests {
     use super::*;
 
-    /// Others that are surely near one size make it and its neighbours likely.
+    /// Others that are certainly near one size make this size and its neighbours likely.
     #[test]
     fn others_say_what_is_likely() {
         let sharp = SmoothLikelihood([(4, -200.0), (5, 0.0), (6, -200.0)].into());

@@ -1,5 +1,5 @@
-//! Periods that equal steps cannot show: those that fit into a step a whole number of times look
-//! constant at every step, and what is constant belongs to the value at home.
+//! Periods that equal steps cannot show: those that fit into a step a whole number of times look constant at every
+//! step, and a constant belongs to the value at home.
 
 use trueaxis_calibrate::AxisResult;
 use trueaxis_files::round;
@@ -8,14 +8,14 @@ use trueaxis_predict::Unit;
 
 use crate::diagnosis::NotObservable;
 
-/// Steps that differ by less than this are equal, in steps: a period then slips by less than 1/1000 of
-/// itself from one to the next.
+/// Largest difference of steps that count as equal, in steps: a period then slips by less than 1/1000 of itself from
+/// one to the next.
 const EQUAL_TOL: f64 = 1e-3;
 
-/// Periods that are listed.
+/// Number of periods listed.
 const LISTED: u32 = 4;
 
-/// What the positions of an axis hide; none if they are not equally spaced.
+/// The periods that the positions of an axis hide; `None` if they are not equally spaced.
 pub(crate) fn periods_of_the_step(axis: &AxisResult) -> Option<NotObservable> {
     let step = equal_step(axis)?;
     let (size, unit) = (axis.kind.position_in_file(step), axis.kind.position_unit());
@@ -45,13 +45,13 @@ pub(crate) fn periods_of_the_step(axis: &AxisResult) -> Option<NotObservable> {
     })
 }
 
-/// The distance of all neighbouring positions, mm or rad.
+/// The common distance of all neighbouring positions, mm or rad.
 fn equal_step(axis: &AxisResult) -> Option<f64> {
     let mut positions: Vec<f64> = axis.nodes.iter().map(|node| node.position).collect();
     positions.sort_by(f64::total_cmp);
     let mut gaps: Vec<f64> = positions.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let largest = gaps.iter().copied().fold(0.0, f64::max);
-    // Both sides of approach visit the same place.
+    // Both sides of approach have the same positions.
     gaps.retain(|gap| *gap > EQUAL_TOL * largest);
     let smallest = gaps.iter().copied().fold(f64::INFINITY, f64::min);
     (largest > 0.0 && largest - smallest <= EQUAL_TOL * largest).then_some(largest)

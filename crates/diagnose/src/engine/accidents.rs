@@ -1,9 +1,9 @@
-//! Readings that are wrong by accident: how many may be, and which they are.
+//! Readings that are wrong by accident: how many are possible, and which they are.
 
-/// Lines of a table that are named.
+/// Most lines of a table that are named.
 const NAMED: usize = 6;
 
-/// A `part` of a `count`, and at least one: as many readings may be accidents, more are structure.
+/// The share `part` of `count`, and at least one: this many readings may be accidents, more are structure.
 pub(crate) fn most(part: f64, count: usize) -> usize {
     #[expect(
         clippy::cast_possible_truncation,

@@ -1,25 +1,25 @@
-//! The functions of which the course of a disturbance consists.
+//! The functions that make up the course of a disturbance.
 
 use std::f64::consts::PI;
 
 use trueaxis_leastsquares::{half_waves, matern_roots};
 
-/// A constant, if there is one, and half waves over a range, of which the argument goes through all or only a part.
+/// A constant, if there is one, and half waves over a range, all or only part of which the argument covers.
 #[derive(Debug, Clone)]
 pub(crate) struct Basis {
     has_mean: bool,
-    /// Where in the half waves the argument begins and ends.
+    /// Positions in the half waves at which the argument begins and ends.
     ends: [f64; 2],
-    /// What is taken from each half wave, so that only the constant has a mean.
+    /// Means that are taken from the half waves, so that only the constant has a mean.
     means: Vec<f64>,
 }
 
-/// Half waves are level at both ends. What warms up is steepest at the beginning, and waves that end there leave a remainder in which
-/// slips and jumps are seen: therefore they go beyond both ends by an eighth of what was measured.
+/// Half waves are level at both ends. Warming up is steepest at the beginning, and waves that end there leave a
+/// remainder that looks like slips and jumps: therefore they go beyond both ends by an eighth of the measured range.
 const BEYOND: [f64; 2] = [0.1, 0.9];
 
 impl Basis {
-    /// Half waves that end where the argument does, with a constant or without.
+    /// Half waves that end with the argument, with a constant or without.
     pub(crate) fn within(waves: usize, has_mean: bool) -> Self {
         Self {
             has_mean,
@@ -28,7 +28,7 @@ impl Basis {
         }
     }
 
-    /// Half waves that go beyond, without what they have in common.
+    /// Half waves that go beyond the argument, without their means.
     pub(crate) fn beyond(waves: usize) -> Self {
         let [first, last] = BEYOND;
         let mean = |wave: usize| {
@@ -59,7 +59,7 @@ impl Basis {
         self.has_mean.then_some(1.0).into_iter().chain(without_mean)
     }
 
-    /// `S_k^½` of each function for a correlation length, a part of the range of the argument.
+    /// `S_k^½` of each function for a correlation length, as a share of the range of the argument.
     pub(crate) fn roots_of_spectrum(&self, length: f64) -> Vec<f64> {
         let [first, last] = self.ends;
         let mut roots = matern_roots(length * (last - first), self.waves());
@@ -99,7 +99,7 @@ mod tests {
         }
     }
 
-    /// An exponential that falls to e⁻⁵: waves that end with it leave nineteen times as much of its first tenth as those that go beyond.
+    /// An exponential that falls to e⁻⁵: waves that end with it leave nineteen times as much of its first tenth.
     #[test]
     fn waves_that_go_beyond_begin_steeply() {
         let n = 400;

@@ -1,13 +1,13 @@
-//! A shape between its neighbours in the list that was tried.
+//! A shape between neighbours in a list.
 
-/// The neighbours of a value in a list in any order.
+/// The neighbours of a value in an unsorted list.
 pub(crate) fn neighbours(all: &[f64], value: f64) -> [Option<f64>; 2] {
     let before = all.iter().copied().filter(|&other| other < value);
     let after = all.iter().copied().filter(|&other| other > value);
     [before.reduce(f64::max), after.reduce(f64::min)]
 }
 
-/// Where `value` is largest between two ends, by golden section until `is_close`.
+/// The place of the maximum of `value` between two ends, by golden section until `is_close`.
 pub(crate) fn golden_section(
     [mut low, mut high]: [f64; 2],
     is_close: impl Fn(f64, f64) -> bool,
@@ -17,7 +17,7 @@ pub(crate) fn golden_section(
     let inner = |low: f64, high: f64| [high - golden * (high - low), low + golden * (high - low)];
     let [mut a, mut b] = inner(low, high);
     let (mut of_a, mut of_b) = (value(a), value(b));
-    // One of the inner points is the other one of the next interval.
+    // One of the inner points is also one of the next interval.
     while !is_close(low, high) {
         if of_a > of_b {
             (high, b, of_b) = (b, a, of_a);

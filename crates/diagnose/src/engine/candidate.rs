@@ -1,4 +1,4 @@
-//! A hypothesis with the whitened columns of a list of shapes, and of those between them.
+//! A hypothesis with the whitened columns of a list of shapes, and of shapes between them.
 
 use std::borrow::Cow;
 
@@ -16,12 +16,12 @@ pub(crate) struct Candidate<'a> {
     pub(crate) columns: Vec<Vec<Vec<f64>>>,
     /// The plausible range of each parameter.
     pub(crate) plausible: Vec<Option<[f64; 2]>>,
-    /// Whether it has more columns than the effect has parameters: its size is a free function of the position.
+    /// Whether it has more columns than the effect has parameters: its size is then a free function of position.
     pub(crate) is_free: bool,
-    /// Shapes between those of the list, where there are any.
+    /// Shapes between those of the list, if there are any.
     pub(crate) finer: Option<Finer<'a>>,
-    /// Of a size that changes from row to row what a unit of each parameter is of it there, over which it has a mean square. The range of
-    /// the first parameter applies to that, too: the parameters are its value and slope where nobody may have measured. Empty of any other.
+    /// Where the size changes from row to row, its derivatives in each row by the parameters, for its rms. The range
+    /// of the first parameter then applies to the rms, too: the parameter may belong to an unmeasured position.
     pub(crate) sizes: Vec<Vec<f64>>,
 }
 
@@ -29,39 +29,39 @@ pub(crate) struct Candidate<'a> {
 pub(crate) struct Finer<'a> {
     /// Whitened columns of any shape.
     pub(crate) columns: ColumnsAt<'a>,
-    /// All gaps in which an instant may lie, s, the first one first; `None` for a shape that may have any value.
+    /// All gaps in which an instant may lie, s, in time order; `None` for a shape with any value.
     pub(crate) gaps_s: Option<Vec<[f64; 2]>>,
-    /// Of these as many on either side of an instant as it may be in, too.
+    /// Number of gaps on either side of an instant in which it may also lie.
     pub(crate) nearby: usize,
-    /// The shortest that is told from others. One of the list below it stands alone, and may as well be shorter: of waves of two
-    /// steps the positions show one phase, and beside them the other one would fit with any size.
+    /// The shortest shape that is distinguished from others. A listed shape below it stands alone and is an upper
+    /// limit: of waves of two steps the positions show one phase, and the other phase would fit with any size.
     pub(crate) shortest: f64,
 }
 
 /// Whitened columns of a shape.
 type ColumnsAt<'a> = Box<dyn Fn(f64) -> Vec<Vec<f64>> + Send + Sync + 'a>;
 
-/// Part of the level at which a free form is preferred to its mean and slope.
+/// Share of the level at which a free form is preferred to its mean and slope.
 const FREE_FORM: f64 = 0.1;
 
 impl Candidate<'_> {
-    /// The effect with the values of its parameters, which come first.
+    /// The effect with the values of its parameters, which come first in `estimates`.
     pub(crate) fn resolved(&self, estimates: &[f64], shape: f64) -> ResolvedEffect {
         let values = &estimates[..self.plausible.len()];
         self.hypothesis.resolved(values.to_vec(), shape)
     }
 
-    /// Whether it follows many courses: one in time, or a free function of the position.
+    /// Whether it fits many courses: one in time, or a free function of position.
     pub(crate) fn is_of_any_form(&self) -> bool {
         self.hypothesis.is_of_time() || self.is_free
     }
 
-    /// Whether it is one parameter, which follows no course.
+    /// Whether it has one parameter and no such course.
     pub(crate) fn is_simple(&self) -> bool {
         self.plausible.len() == 1 && !self.is_of_any_form()
     }
 
-    /// The columns at a shape: of the nearest in the list, if there are none between them.
+    /// The columns for a shape, or for the nearest in the list if there are none between.
     pub(crate) fn columns(&self, shape: f64) -> Cow<'_, [Vec<f64>]> {
         let distance = |k: &usize| (self.shapes[*k] - shape).abs();
         let nearest = (0..self.shapes.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
@@ -72,8 +72,8 @@ impl Candidate<'_> {
         }
     }
 
-    /// The shape between the neighbours of one in the list that explains most of what a model leaves, to a part of their distance;
-    /// none where there is nothing in between.
+    /// The shape that explains most of what a model leaves, between the neighbours of a listed shape, to the share
+    /// `part` of their distance; `None` if there are no shapes between.
     pub(super) fn refined(&self, model: &Projection, shape: f64, part: f64) -> Option<f64> {
         let finer = self.finer_at(shape)?;
         let [before, after] = neighbours(&self.shapes, shape);
@@ -82,7 +82,7 @@ impl Candidate<'_> {
         let gained = |shape: f64| Fit::new(model, &(finer.columns)(shape)).gained();
         match &finer.gaps_s {
             Some(all) => {
-                // Before the first of the list, and after the last, there may be more.
+                // There may be gaps before the first and after the last of the list.
                 let low = before.unwrap_or(f64::NEG_INFINITY);
                 let high = after.unwrap_or(f64::INFINITY);
                 let between = all.iter().map(middle).filter(|&t| low <= t && t <= high);
@@ -98,7 +98,7 @@ impl Candidate<'_> {
         }
     }
 
-    /// Standard deviation of an instant over its marginal likelihood in the gaps nearby.
+    /// Standard deviation of an instant over its marginal likelihood in nearby gaps.
     pub(super) fn u_instant(&self, model: &Projection, instant: f64) -> Option<f64> {
         let finer = self.finer.as_ref()?;
         let all = finer.gaps_s.as_ref()?;
@@ -110,25 +110,25 @@ impl Candidate<'_> {
         rank(model, &scans).first().map(|score| score.u_shape)
     }
 
-    /// What the observations change by with the shape of an effect with values; none of one that has nothing in between.
+    /// Derivative of the observations by the shape of an effect with values; `None` without shapes between.
     pub(super) fn by_shape(&self, values: &[f64], shape: f64) -> Option<Vec<f64>> {
         let finer = self.finer_at(shape).filter(|f| f.gaps_s.is_none())?;
         Some(derivative(&finer.columns, values, shape))
     }
 
-    /// The shapes around one; none around one that stands alone.
+    /// The shapes around a shape; `None` if it stands alone.
     fn finer_at(&self, shape: f64) -> Option<&Finer<'_>> {
         self.finer.as_ref().filter(|f| f.shortest <= shape)
     }
 
-    /// Whether a shape is but an upper limit.
+    /// Whether a shape is only an upper limit.
     pub(super) fn is_limit(&self, shape: f64) -> bool {
         self.finer.is_some() && self.finer_at(shape).is_none()
     }
 
-    /// Logarithm of the probability that noise has at most for what this form explains beyond a smaller one, if `level` is that of
-    /// forms with parameters alone. Of a free form the best of several numbers of waves was taken; and it is named only where
-    /// a simpler one is beyond doubt too simple.
+    /// Logarithm of the largest p-value at which this form is preferred to a smaller one, if `level` is that of
+    /// parametric forms. For a free form the best of several numbers of waves was taken; and it is named only if a
+    /// simpler form is certainly too simple.
     pub(crate) fn ln_level_of_more(&self, level: f64) -> f64 {
         match self.is_free {
             true => (level * FREE_FORM / self.shapes.len() as f64).ln(),
@@ -136,11 +136,11 @@ impl Candidate<'_> {
         }
     }
 
-    /// Whether the data allow it a size that is physical: each value in its plausible range, three standard
-    /// uncertainties considered.
+    /// Whether the data allow it a physical size: each value in its plausible range, within three standard
+    /// uncertainties.
     pub(super) fn is_possible(&self, model: &Projection, shape: f64) -> bool {
         let is_any = self.plausible.iter().all(Option::is_none);
-        // In the noise that is left with it: without it most of what is left may be its own.
+        // In the noise left with it: without it most of what is left may be its own effect.
         let is_possible = |columns: &[Vec<f64>]| {
             let fit = Fit::new(model, columns);
             let freedom = model.degrees_of_freedom - columns.len() as f64;
@@ -150,7 +150,7 @@ impl Candidate<'_> {
         is_any || is_possible(&self.columns(shape))
     }
 
-    /// Whether a size that changes from row to row may have a root mean square in the plausible range.
+    /// Whether a size that changes from row to row may have an rms in the plausible range.
     fn has_possible_size(&self, fit: &Fit, variance: f64) -> bool {
         let Some([_, most]) = self.plausible.first().copied().flatten() else {
             return true;
@@ -159,7 +159,7 @@ impl Candidate<'_> {
         size - 3.0 * u <= most
     }
 
-    /// Root mean square of such a size, and of its standard uncertainties; zeros of any other.
+    /// Root mean square of a size that changes from row to row, and of its standard uncertainties; otherwise zeros.
     pub(crate) fn root_mean_square(&self, fit: &Fit, variance: f64) -> [f64; 2] {
         let n = fit.estimates.len();
         let mut squares = [0.0; 2];

@@ -1,15 +1,15 @@
-//! Causes and disturbances against each other.
+//! Competition of causes and disturbances.
 //!
-//! Two models are built. One finds causes first, then what wanders beside them, then causes again with that in the
-//! covariance; the other begins with what wanders. They, and what wanders alone, are compared in the same noise by
-//! their whole evidence. A form that can be anything is believed less than one of the catalogue, and every further
-//! name costs: a cause is charged [`DECISIVE`], odds of 20 to 1, and a disturbance twice that. So a drift is a drift
-//! though something that wanders might have done it, and three stacked causes do not beat one disturbance. Where causes leave
-//! nothing to what wanders, disturbances can take their place only if one alone has more evidence.
+//! Two models are built. One finds causes first, then disturbances beside them, then causes again with the
+//! disturbances in the covariance; the other begins with disturbances. These and disturbances alone are compared in
+//! the same noise by their whole evidence. A form that can be anything is less credible than one in the catalogue,
+//! and every further name costs: a cause [`DECISIVE`], odds of 20 to 1, and a disturbance twice that. So a drift is a
+//! drift even if a disturbance might explain it, and three stacked causes do not beat one disturbance. Where causes
+//! leave nothing to disturbances, only a single disturbance with more evidence can replace them.
 //!
-//! A cause in time that leaves a tenth of what it explains to a disturbance of the same thing does not describe how
-//! that thing moves, and loses its name ([`is_of`]). So does one whose statistic is less than a twentieth of the evidence that the
-//! geometry or the drive of an axis changes with time: no basis of low degree is quite what a machine does that warms up.
+//! A cause in time that leaves a tenth of what it explains to a disturbance of the same thing does not describe the
+//! motion of that thing, and is not named ([`is_of`]). Nor is one whose statistic is less than a twentieth of the
+//! evidence for an axis that changes with time: no basis of low degree quite describes warming up.
 
 use trueaxis_effects::Layer;
 use trueaxis_selection::{DECISIVE, Hypothesis, Null, rank};
@@ -25,25 +25,25 @@ use crate::engine::{
     scans, settle,
 };
 
-/// Without causes and with omnibus tests above this nothing wanders that would be significant.
+/// Without causes, and with all p-values of the omnibus tests above this, no disturbance would be significant.
 const WORTH_A_LOOK: f64 = 0.05;
 
-/// Causes, and what wanders beside them.
+/// Causes, and disturbances beside them.
 pub(crate) struct Competed<D: Wanders> {
-    /// The data, what wanders in their covariance.
+    /// The data, with the disturbances in their covariance.
     pub(crate) base: D,
     pub(crate) search: Search<D::Model>,
     pub(crate) wandering: Vec<JudgedDisturbance>,
 }
 
-/// What is needed to look for causes.
+/// The input of a search for causes.
 pub(crate) struct Candidates<'a> {
     pub(crate) all: &'a [Hypothesis],
     pub(crate) null: &'a Null,
 }
 
-/// The model with the most evidence. `search` are the causes that were found without disturbances, `before` the tests
-/// of what a model without any leaves.
+/// The model with the most evidence. `search` has the causes found without disturbances, `before` the tests of a
+/// model without any causes.
 pub(crate) fn compete<D: Wanders>(
     base: &D,
     before: &[Omnibus],
@@ -102,8 +102,8 @@ pub(crate) fn compete<D: Wanders>(
     Ok(model)
 }
 
-/// Whether causes that explain all have more evidence than each disturbance alone that may stand first. Several that together
-/// do what a form of the catalogue does down to the noise are not asked: that would be a coincidence.
+/// Whether causes that explain everything have more evidence than each disturbance that may come first. That several
+/// together look like a form in the catalogue down to the noise would be a coincidence and is not tried.
 fn beat_each<D: Wanders>(
     base: &D,
     search: &Search<D::Model>,
@@ -116,8 +116,8 @@ fn beat_each<D: Wanders>(
     Ok(first.all(|(_, own)| charged(base, &plain, &[], std::slice::from_ref(own)) <= of_causes))
 }
 
-/// Adds to causes the disturbances that may have been there instead: of the same thing, and with more evidence. A rival may have
-/// [`DECISIVE`] less than a cause, and a disturbance costs as much more. `wandering` is in the model anyway.
+/// Adds to causes the disturbances that may have been there instead: of the same thing, with more evidence. A rival
+/// may have [`DECISIVE`] less than a cause, but a disturbance costs as much more. `wandering` is in the model.
 pub(crate) fn add_rival_disturbances<D: Wanders>(
     base: &D,
     adjusted: &D::Model,
@@ -147,11 +147,11 @@ pub(crate) fn add_rival_disturbances<D: Wanders>(
     Ok(())
 }
 
-/// A cause is no more than a part of what wanders if this part of what it explains is left to a disturbance of the
-/// same thing.
+/// A cause is only part of a disturbance if this share of what it explains is left to a disturbance of the same
+/// thing.
 const PART: f64 = 0.1;
 
-/// The model without causes that do not describe how what they blame moves.
+/// The model without causes that do not describe the motion of what they blame.
 fn described<D: Wanders>(
     base: &D,
     mut model: Competed<D>,
@@ -178,7 +178,7 @@ fn described<D: Wanders>(
     }
 }
 
-/// Causes as they settle beside what wanders beside them.
+/// Causes settled beside disturbances that are found beside them.
 pub(crate) fn settled<D: Wanders>(
     base: &D,
     suspects: Vec<Suspect>,
@@ -204,7 +204,7 @@ pub(crate) fn settled<D: Wanders>(
     })
 }
 
-/// The model with more evidence, in the noise of the one with less of it; the first if both have as much.
+/// The model with more evidence, in the smaller of the two noises; the first if both have as much.
 fn better<D: Wanders>(
     base: &D,
     first: Competed<D>,
@@ -220,8 +220,8 @@ fn better<D: Wanders>(
     })
 }
 
-/// Twice the logarithm of the marginal likelihood ratio of causes and what wanders beside them against the model without
-/// anything, less what every further name costs.
+/// Twice the logarithm of the marginal likelihood ratio of causes with disturbances against the model with neither,
+/// less the price of every further name.
 fn charged<D: Wanders>(
     base: &D,
     plain: &D::Model,
@@ -245,7 +245,7 @@ fn charged<D: Wanders>(
     evidence
 }
 
-/// Only what wanders.
+/// The model with these disturbances alone.
 fn without_causes<D: Wanders>(
     base: &D,
     wandering: Vec<JudgedDisturbance>,
@@ -259,12 +259,12 @@ fn without_causes<D: Wanders>(
     })
 }
 
-/// Only what wanders, found without any cause.
+/// The model with disturbances alone, found without causes.
 pub(crate) fn only_wandering<D: Wanders>(base: &D) -> Result<Competed<D>, Error> {
     without_causes(base, wandering(base, &[])?)
 }
 
-/// Causes beside what wanders, what wanders beside those, and both as they settle.
+/// Causes found beside disturbances, disturbances beside these causes, and both settled.
 fn alternated<D: Wanders>(
     base: &D,
     first: Vec<JudgedDisturbance>,
@@ -289,8 +289,8 @@ fn alternated<D: Wanders>(
     Ok(model)
 }
 
-/// Whether what wanders is what a cause makes responsible, in time: then the cause may be no more than a part of a
-/// course that it does not describe.
+/// Whether a disturbance in time is of the thing that a cause blames: the cause may then be only part of a course
+/// that it does not describe.
 fn is_of(culprits: &Culprits, wanderer: Wanderer) -> bool {
     culprits.any(|culprit| match (*culprit, wanderer.who, wanderer.with) {
         (Culprit::Station(own, _), Who::Station(other), With::Occupation)

@@ -1,22 +1,22 @@
-//! What a coordinate of something that wanders moves: a parameter of an effect of the catalogue, or the geometry of an axis.
+//! What a coordinate of a disturbance moves: a parameter of an effect in the catalogue, or the geometry of an axis.
 
 use nalgebra::{Rotation3, Vector3};
 use trueaxis_effects::{Circumstances, Displaced, Effect, Subject, effect};
 use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, Ideal, MICROMETRE};
 
-/// One of the things that move in a course of their own.
+/// One of the quantities that vary, each with a course of its own.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Coordinate {
     /// A unit of a parameter of an effect.
     Effect(&'static Effect, usize),
-    /// What an axis carries is displaced along the axis, or along a direction of what carries the axis, or turned about one and the
-    /// centroid of its targets, by an arc second or what compares with it, by a function of where the axis stands, whether it runs or is
-    /// parked.
+    /// What an axis carries is displaced along the axis or along a direction of the axis' carrier, or rotated about
+    /// such a direction and the centroid of its targets, by an arc second or a comparable displacement, as a function
+    /// of the position of the axis, whether it runs or is parked.
     Geometry(Motion, Law),
 }
 
 impl Coordinate {
-    /// The same wherever the axis stands.
+    /// The same at all positions of the axis.
     pub(crate) fn without_law(self) -> Self {
         match self {
             Self::Geometry(motion, _) => Self::Geometry(motion, Law::Constant),
@@ -29,44 +29,44 @@ impl Coordinate {
     }
 }
 
-/// How what an axis carries is moved.
+/// The motion of what an axis carries.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Motion {
-    /// The linear axis goes further.
+    /// The linear axis travels further.
     Along,
-    /// Along a direction of what carries it.
+    /// Along a direction of the axis' carrier.
     Displaced(usize),
-    /// About a direction of what carries it.
+    /// About a direction of the axis' carrier.
     Turned(usize),
 }
 
-/// How it depends on where the axis stands.
+/// The dependence on the position of the axis.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Law {
     Constant,
-    /// The part of the travel beyond its middle, from -½ to ½.
+    /// Position relative to the middle, as a share of the travel, from -½ to ½.
     FromMiddle,
-    /// `u`, the part of the travel beyond home; of a rotary axis `cos φ - 1`.
+    /// Position relative to home as a share of the travel, `u`; for a rotary axis `cos φ - 1`.
     First,
-    /// `u²`; of a rotary axis `sin φ`.
+    /// `u²`; for a rotary axis `sin φ`.
     Second,
 }
 
-/// The first parameters of an effect of the catalogue.
+/// The first parameters of an effect in the catalogue.
 pub(crate) fn parameters(id: &str, count: usize) -> impl Iterator<Item = Coordinate> {
     let known = effect(id).into_iter();
     known.flat_map(move |effect| (0..count).map(move |k| Coordinate::Effect(effect, k)))
 }
 
-/// A linear axis grows and shrinks, and nobody knows the point from which.
+/// A linear axis grows and shrinks about an unknown point.
 pub(crate) fn scale() -> Vec<Coordinate> {
     let laws = [Law::Constant, Law::FromMiddle];
     laws.map(|law| Coordinate::Geometry(Motion::Along, law))
         .into()
 }
 
-/// The geometry of an axis changes: squareness, straightness, bow and tilts. What is displaced at home is the machine; what turns there is
-/// what the axis carries.
+/// The geometry of an axis changes: squareness, straightness, bow and tilts. A displacement at home belongs to the
+/// machine, a rotation at home to what the axis carries.
 pub(crate) fn geometry(kind: AxisKind) -> Vec<Coordinate> {
     let of_turn: &[Law] = match kind {
         AxisKind::Linear => &[Law::Constant, Law::First],
@@ -81,11 +81,11 @@ pub(crate) fn geometry(kind: AxisKind) -> Vec<Coordinate> {
     displaced.chain(turned).flat_map(by_law).collect()
 }
 
-/// A curve in which coordinates are shown: a factor of each of some of them.
+/// A curve to be shown: the factors on some of the coordinates.
 pub(crate) type Shown = Vec<(usize, f64)>;
 
-/// What is shown of coordinates, with the displacement by a unit of each without its law, µm: each by itself; of a geometry the motions
-/// of the stage where the axis is at a position, turns by what they displace.
+/// The curves to be shown, given the displacement by a unit of each coordinate without its law, µm: each coordinate
+/// by itself; for a geometry the motions of the stage with the axis at a position, rotations by their displacements.
 pub(crate) fn shown(
     coordinates: &[Coordinate],
     units_um: &[f64],
@@ -107,7 +107,7 @@ pub(crate) fn shown(
     shown.into_iter().map(|(_, own)| own).collect()
 }
 
-/// What a unit of each coordinate does to a reading.
+/// The displacement of a reading by a unit of each coordinate.
 pub(crate) fn moved(
     coordinates: &[Coordinate],
     subject: &Subject,
@@ -126,7 +126,7 @@ pub(crate) fn moved(
 }
 
 impl Law {
-    /// Where an axis stands at a position, mm or rad.
+    /// The value of the law at a position of the axis, mm or rad.
     fn at(self, axis: &Axis, position: f64) -> f64 {
         let [low, high] = axis.travel();
         let u = position / (high - low);
@@ -141,14 +141,14 @@ impl Law {
     }
 }
 
-/// What an axis carries, at a reading.
+/// The stage of an axis at a reading.
 struct Stage<'a> {
     axis: &'a Axis,
     ref_from_base: Rotation3<f64>,
-    /// From the pivot, which the stage of the axis carries: where the centroid of the targets would be if all that stands on it were at
-    /// home.
+    /// From the pivot, which the stage of the axis carries: it is where the centroid of the targets would be if all
+    /// axes on the stage were at home.
     arm_mm: Vector3<f64>,
-    /// Where the axis stands, mm or rad.
+    /// Position of the axis, mm or rad.
     position: f64,
 }
 
@@ -169,7 +169,7 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// By a unit of a motion, mm.
+    /// The displacement by a unit of a motion, mm.
     fn moved(&self, motion: Motion, law: Law) -> Vector3<f64> {
         let direction = |k: usize| self.ref_from_base.matrix().column(k).into_owned();
         let moved = match motion {
@@ -180,7 +180,7 @@ impl<'a> Stage<'a> {
         moved * law.at(self.axis, self.position)
     }
 
-    /// What an arc second makes over the travel of a linear axis; of a rotary axis, whose arms differ, a micrometre.
+    /// Displacement by an arc second over the travel of a linear axis; a micrometre for a rotary axis.
     fn unit_of_displacement_mm(&self) -> f64 {
         let [low, high] = self.axis.travel();
         match self.axis.kind() {

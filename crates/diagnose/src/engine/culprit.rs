@@ -1,24 +1,24 @@
-//! What causes make responsible, and whether two are the same trouble under two names.
+//! What causes blame, and whether two causes are the same problem under two names.
 
 use trueaxis_effects::Effect;
 
 use crate::engine::{Found, Measured};
 
-/// What a cause makes responsible.
+/// What a cause blames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Culprit {
-    /// What happens at a station, or to the machine during its occupation, at an instant or not.
+    /// A station, or the machine during its occupation, at an instant or not.
     Station(usize, bool),
     Target(usize, bool),
-    /// An axis in one way.
+    /// An axis, by the effect on it.
     Axis(usize, &'static Effect),
-    /// Something that goes on through every occupation, or moves all points or the frame that they are measured in.
+    /// A process in every occupation, or a motion of all points or of the frame in which they are measured.
     EveryOccupation,
-    /// The whole campaign in one way.
+    /// The whole campaign, by the effect on it.
     Everything(&'static Effect),
 }
 
-/// What a cause and its rivals make responsible.
+/// What a cause and its rivals blame.
 pub(crate) struct Culprits(Vec<Culprit>);
 
 impl Culprits {
@@ -32,9 +32,9 @@ impl Culprits {
         self.0.iter().any(is_wanted)
     }
 
-    /// Whether two causes have an explanation in common: then the second is no cause of its own but a sign
-    /// that neither has the right shape. A tripod that sways is no pile of jumps; a tripod that creeps and was
-    /// bumped has two troubles.
+    /// Whether two causes share an explanation: then the second is not a separate cause but a sign that neither has
+    /// the right shape. A tripod that sways is no pile of jumps; a tripod that creeps and was bumped has two
+    /// problems.
     pub(crate) fn overlap(&self, other: &Self) -> bool {
         self.any(|culprit| other.0.contains(culprit))
     }

@@ -1,15 +1,15 @@
 //! A disturbance: a smooth process of unknown form.
 //!
 //! Something (the machine, the tripods, the air, a station, a target, the lost motion of an axis) moves with time, or
-//! with the position of an axis, in a course that nobody knows. Over the argument `x`, 0 to 1, each coordinate is
+//! with the position of an axis, in an unknown course. Over the argument `x`, 0 to 1, each coordinate is
 //!
 //! ```text
 //! f(x) = Σ_k b_k cos(kπx)      b_k ~ N(0, w² S_k)      S_k ~ (3/ℓ² + k²π²)⁻²      S_0 + ½ Σ S_k = 1
 //! ```
 //!
 //! a process with Matérn's covariance (ν = 3/2) of correlation length `ℓ` and standard deviation `w` in the basis of
-//! half waves (Solin and Särkkä 2020), so that a dozen columns for each coordinate are all that is needed. `ℓ` is one
-//! of a few, equally likely beforehand, none shorter than three stops: what is shorter is repeatability.
+//! half waves (Solin and Särkkä 2020), which needs only a dozen columns for each coordinate. `ℓ` is one of a few,
+//! equally likely a priori, none shorter than three stops: faster changes are repeatability.
 //!
 //! | who | what moves | with | basis for each coordinate | lengths | points |
 //! | --- | --- | --- | --- | --- | --- |
@@ -26,11 +26,11 @@
 //! | axis | its scale: the middle of its travel, and one end against it | time | 20 | x | x |
 //! | axis | its geometry ([`mod@super::coordinate`]) | time, by functions of its position | 10 | x | x |
 //!
-//! The waves of the last three go beyond both ends of the campaign ([`mod@super::basis`]).
+//! The waves of the last three rows go beyond both ends of the campaign ([`mod@super::basis`]).
 //!
-//! An axis over position is none: the base model's free poses take it, and so they take the mean of its geometry. Without
-//! targets on the bed the machine in time and all tripods (the frame without its rotations) in time are one thing under two
-//! names, and always given as two.
+//! There is no axis with position alone: the free poses of the base model absorb it, and so they absorb the mean of
+//! its geometry. Without targets on the bed the machine with time and all tripods (the frame without its rotations)
+//! with time are the same thing under two names, and both are always given.
 
 use trueaxis_effects::{Layer, Scene, Subject};
 
@@ -38,14 +38,14 @@ use crate::engine::basis::Basis;
 use crate::engine::coordinate::{Coordinate, geometry, parameters, scale};
 use crate::engine::smooth::correlation_lengths;
 
-/// What wanders, and with what.
+/// Something that may wander, and with what it varies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Wanderer {
     pub(crate) who: Who,
     pub(crate) with: With,
 }
 
-/// What wanders.
+/// What may wander.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Who {
     Machine,
@@ -61,17 +61,17 @@ pub(crate) enum Who {
 /// What it varies with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum With {
-    /// Time in the occupation of a station, each occupation for itself.
+    /// Time in the occupation of a station, with a course for each occupation.
     Occupation,
     /// Time from the first to the last reading.
     Campaign,
-    /// Position of the axis that runs, each axis for itself.
+    /// Position of the axis that runs, with a course for each axis.
     Position,
-    /// Position of an axis, opposite from the two sides of approach.
+    /// Position of an axis, with opposite signs for the two sides of approach.
     Sides,
-    /// Time, opposite from the two sides of approach of an axis.
+    /// Time, with opposite signs for the two sides of approach of an axis.
     SidesInTime,
-    /// Time, by the position of an axis.
+    /// Time, by functions of the position of an axis.
     TimeAndPosition,
 }
 
@@ -84,19 +84,19 @@ pub(crate) struct Disturbance {
     pub(crate) width: f64,
 }
 
-/// What is believed beforehand of the coefficients of a disturbance, but for its width.
+/// The prior of the coefficients of a disturbance, without its width.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Spectrum {
-    /// ℓ, as a part of the range of the argument.
+    /// ℓ, as a share of the range of the argument.
     pub(crate) length: f64,
-    /// How much wider than the turns of a stage its displacements are; 1 of all else.
+    /// Ratio of the prior widths of displacements and rotations of a stage; 1 for everything else.
     pub(crate) displaced: f64,
 }
 
-/// An axis that only tilts, that also is out of square, that is hardly tilted.
+/// Prior ratios for an axis that mostly tilts, one that is also out of square, and one that hardly tilts.
 const DISPLACED: [f64; 3] = [0.5, 2.0, 8.0];
 
-/// When and where a reading was taken.
+/// Time and place of a reading.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Here {
     pub(crate) station: usize,
@@ -107,12 +107,12 @@ pub(crate) struct Here {
     /// Progress of time in the occupation, and in the campaign, 0 to 1.
     pub(crate) occupation: f64,
     pub(crate) campaign: f64,
-    /// Where the axis is in its range, 0 to 1.
+    /// Position of the axis in its range, 0 to 1.
     pub(crate) travelled: f64,
 }
 
 impl Wanderer {
-    /// Whose it is.
+    /// The layer to which it belongs.
     pub(crate) fn layer(self) -> Layer {
         match self.who {
             Who::Machine | Who::Axis(_) => Layer::Machine,
@@ -122,7 +122,7 @@ impl Wanderer {
         }
     }
 
-    /// Station, target and axis; none for what concerns all.
+    /// Station, target or axis; empty for what concerns everything.
     pub(crate) fn subject(self) -> Subject {
         match self.who {
             Who::Machine | Who::Tripods | Who::Frame | Who::Air => Subject::default(),
@@ -135,7 +135,7 @@ impl Wanderer {
         }
     }
 
-    /// Number of wanderers of the same kind, which share what is believed beforehand.
+    /// Number of wanderers of the same kind, which share the prior probability.
     pub(crate) fn of_kind(self, scene: &Scene) -> usize {
         match self.who {
             Who::Machine | Who::Tripods | Who::Frame | Who::Air => 1,
@@ -151,12 +151,12 @@ impl Wanderer {
         is_of_axis && self.with != With::Sides
     }
 
-    /// What moves as it moves.
+    /// The coordinates that move.
     pub(crate) fn coordinates(self, scene: &Scene) -> Vec<Coordinate> {
         let moved: &[(&str, usize)] = match (self.who, self.with) {
             (Who::Machine, _) => &[("machine_shift", 3)],
             (Who::Tripods, _) => &[("station_jump", 3)],
-            // Without a station it has rotations, too.
+            // Without a station the frame has rotations, too.
             (Who::Frame, _) => &[("station_jump", 6)],
             (Who::Air, _) => &[("station_scale", 1)],
             (Who::Station(_), With::Position) => &[("dead_path_jump", 1)],
@@ -172,8 +172,8 @@ impl Wanderer {
         all.collect()
     }
 
-    /// The functions of which the course of each coordinate consists. The mean of lost motion is lost motion: an effect of the catalogue.
-    /// That of what an axis does is its error curve.
+    /// The functions that make up the course of each coordinate. The mean of lost motion is an effect in the
+    /// catalogue, and the mean of an axis' motion is its error curve.
     pub(crate) fn basis(self) -> Basis {
         match (self.who, self.with) {
             (Who::Axis(_), With::Campaign) => Basis::beyond(20),
@@ -185,14 +185,14 @@ impl Wanderer {
         }
     }
 
-    /// Which of several courses a reading belongs to (occupation, axis), and its argument, 0 to 1; none where it is not
-    /// concerned.
+    /// The course (occupation, axis) to which a reading belongs, and its argument, 0 to 1; `None` if it does not
+    /// concern the reading.
     fn place(self, here: &Here) -> Option<(usize, f64)> {
         let is_concerned = match self.who {
             Who::Machine | Who::Tripods | Who::Frame | Who::Air => true,
             Who::Station(station) => here.station == station,
             Who::Target(target) => here.target == target,
-            // A parked axis stands somewhere, too.
+            // A parked axis has a position, too.
             Who::Axis(_) if matches!(self.with, With::Campaign | With::TimeAndPosition) => true,
             Who::Axis(axis) => here.axis == Some(axis),
         };
@@ -205,7 +205,7 @@ impl Wanderer {
         is_concerned.then_some(place)
     }
 
-    /// The courses that it has: occupations or axes.
+    /// Its courses: occupations or axes.
     pub(crate) fn courses(self, all: &[Here]) -> Vec<usize> {
         let places = all.iter().filter_map(|here| self.place(here));
         let mut courses: Vec<usize> = places.map(|place| place.0).collect();
@@ -214,7 +214,7 @@ impl Wanderer {
         courses
     }
 
-    /// All that may be believed of it, equally likely beforehand, where a course has a number of stops.
+    /// All its priors, equally likely, for courses with this number of stops.
     pub(crate) fn spectra(self, stops: usize) -> Vec<Spectrum> {
         let displaced: &[f64] = match self.with {
             With::TimeAndPosition => &DISPLACED,
@@ -249,8 +249,8 @@ impl Wanderer {
         of_course.repeat(self.courses(all).len())
     }
 
-    /// What a unit of each coefficient does, course after course, coordinate after coordinate, for readings of `ROWS` rows
-    /// each: `unit` is what one of each coordinate does to those of a reading.
+    /// Displacements by a unit of each coefficient, course after course, coordinate after coordinate, for readings of
+    /// `ROWS` rows each: `unit` gives those of a reading by a unit of each coordinate.
     pub(crate) fn columns<const ROWS: usize>(
         self,
         scene: &Scene,
@@ -287,7 +287,7 @@ impl Wanderer {
 }
 
 impl Disturbance {
-    /// Columns of coefficients for a unit of the standard deviation that each has beforehand.
+    /// Columns of coefficients scaled to unit prior variance.
     pub(crate) fn scaled(
         &self,
         scene: &Scene,

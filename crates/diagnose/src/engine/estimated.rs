@@ -1,8 +1,8 @@
 //! A cause with its parameters and their uncertainties.
 //!
-//! Of an instant the data say that it lies between two visits in which the effect shows, or in one of them; its score has
-//! that in its uncertainty. A time constant joins the linear parameters by its derivative, so that all of them carry its
-//! uncertainty.
+//! The data show only that an instant lies between two visits in which the effect shows, or in one of them; the
+//! uncertainty of its score includes this. A time constant joins the linear parameters by its derivative, so that all
+//! parameters include its uncertainty.
 
 use trueaxis_effects::{Parameter, ResolvedEffect, Scene, Shape, shape_parameter};
 use trueaxis_leastsquares::dot;
@@ -12,13 +12,13 @@ use crate::engine::wandered::whose;
 use crate::engine::{Found, Measured, Suspect, duration_s};
 use crate::{Cause, EstimatedParameter, Fitted, Gain, Rival};
 
-/// Of parameters, relative to the largest of an effect.
+/// Size of parameters, relative to the largest of an effect, below which they are rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// Step of the logarithm of a time constant for its derivative.
 const STEP: f64 = 0.01;
 
-/// A cause of a model with its parameters; `gain` where it is the only one that gains.
+/// A cause of a model with its parameters; `gain` if it is the only contribution to the gain.
 pub(crate) fn cause<D: Measured>(
     data: &D,
     of: trueaxis_effects::Level,
@@ -50,7 +50,7 @@ pub(crate) fn cause<D: Measured>(
 }
 
 impl Cause {
-    /// An effect with its values; its judgement is to be filled in.
+    /// An effect with its values; its judgement is filled in later.
     pub(crate) fn of(
         level: trueaxis_effects::Level,
         effect: ResolvedEffect,
@@ -79,8 +79,8 @@ impl Cause {
     }
 }
 
-/// Values with standard uncertainties, the shape last, and the covariance of the linear ones (rows one
-/// after the other). What the data do not see of a parameter makes its uncertainty infinite.
+/// Values with standard uncertainties, the shape last, and the covariance of the linear ones (rows one after the
+/// other). A parameter that the data do not fully see has an infinite uncertainty.
 fn estimated<D: Measured>(
     data: &D,
     model: &D::Model,
@@ -99,7 +99,7 @@ fn estimated<D: Measured>(
     (all, covariance)
 }
 
-/// Covariance of the parameters and standard uncertainty of the time constant, all causes free together.
+/// Covariance of the parameters and standard uncertainty of the time constant, with all causes free.
 fn with_time_constant<D: Measured>(
     data: &D,
     model: &D::Model,
@@ -109,7 +109,7 @@ fn with_time_constant<D: Measured>(
     let at = |shape: f64| columns(&suspect.hypothesis, shape);
     let mut all = at(suspect.shape);
     let n = all.len();
-    // Where there is almost no lag, a part of the campaign.
+    // For almost no lag, a step relative to the campaign.
     let step = STEP * suspect.shape.max(STEP * duration_s(&data.visits()));
     let ends = [(suspect.shape - step).max(0.0), suspect.shape + step];
     let ends = ends.map(|shape| (shape, at(shape)));
@@ -127,8 +127,8 @@ fn with_time_constant<D: Measured>(
     beside_shape(&fit, n, by_shape.unit)
 }
 
-/// Parameters of a hypothesis: the linear ones with their values, covariance (rows one after the other), and whether the data see
-/// all of each, then the shape with its value and standard uncertainty.
+/// Parameters of a hypothesis: the linear ones with their values, covariance (rows one after the other), and whether
+/// the data fully see each, then the shape with its value and standard uncertainty.
 pub(crate) fn with_uncertainties(
     scene: &Scene,
     hypothesis: &Hypothesis,
@@ -145,7 +145,7 @@ pub(crate) fn with_uncertainties(
     let largest = values
         .iter()
         .fold(0.0_f64, |most, value| most.max(value.abs()));
-    // What is not seen at all is nothing but rounding.
+    // Values that are not seen at all are rounding.
     let value = |k: usize| match seen[k] || values[k].abs() > ROUNDING * largest {
         true => values[k],
         false => 0.0,
@@ -165,7 +165,7 @@ pub(crate) fn with_uncertainties(
     linear.chain(of_shape).map(estimated).collect()
 }
 
-/// What the observations change by with a shape, from the columns at a shorter and a longer one.
+/// Derivative of the observations by a shape, from the columns for a shorter and a longer one.
 fn by_shape([shorter, longer]: [(f64, Vec<Vec<f64>>); 2], values: &[f64], rows: usize) -> Vec<f64> {
     let mut derivative = vec![0.0; rows];
     for ((a, b), value) in shorter.1.iter().zip(&longer.1).zip(values) {
@@ -176,10 +176,10 @@ fn by_shape([shorter, longer]: [(f64, Vec<Vec<f64>>); 2], values: &[f64], rows: 
     derivative
 }
 
-/// Relative difference of shapes for the derivative of a closed form: half of the digits remain.
+/// Relative difference of shapes for the derivative of a closed form: half of the digits are left.
 const DIFFERENCE: f64 = 1e-5;
 
-/// The derivative of an effect with values by its shape, from columns in closed form.
+/// The derivative of an effect with these values by its shape, from columns in closed form.
 pub(crate) fn derivative(
     columns_at: impl Fn(f64) -> Vec<Vec<f64>>,
     values: &[f64],
@@ -191,16 +191,16 @@ pub(crate) fn derivative(
     by_shape(ends, values, rows)
 }
 
-/// What a shape changes, as a column beside those of the parameters.
+/// The effect of a shape as a column beside those of the parameters.
 pub(crate) struct ByShape {
-    /// As long as the longest of these: in another unit, what the data see of the parameters would be taken for rounding.
+    /// As long as the longest of these: in another unit, what the data show of parameters would count as rounding.
     pub(crate) column: Vec<f64>,
-    /// What the shape changes by with a unit of the column.
+    /// Change of the shape for a unit of the column.
     pub(crate) unit: f64,
 }
 
 impl ByShape {
-    /// From the derivative by the shape; none if the shape changes nothing.
+    /// From the derivative with respect to the shape; `None` if the shape changes nothing.
     pub(crate) fn new(derivative: Vec<f64>, columns: &[Vec<f64>]) -> Option<Self> {
         let squares = columns.iter().map(|column| dot(column, column));
         let unit = (squares.fold(0.0, f64::max) / dot(&derivative, &derivative)).sqrt();
@@ -211,8 +211,8 @@ impl ByShape {
     }
 }
 
-/// Covariance of the first `n` parameters of a fit, and the standard uncertainty of the shape, whose column ([`ByShape`]) is the
-/// next one.
+/// Covariance of the first `n` parameters of a fit, and the standard uncertainty of the shape, whose column
+/// ([`ByShape`]) is the next one.
 pub(super) fn beside_shape(fit: &Fit, n: usize, unit: f64) -> (Vec<f64>, f64) {
     let width = fit.seen.len();
     let u = match fit.seen[n] {

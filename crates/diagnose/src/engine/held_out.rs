@@ -1,8 +1,8 @@
-//! The gain on data that a model was not fitted to.
+//! The gain on data not used for the fit.
 //!
-//! Whole sweeps are dealt to folds before anything is looked at; each is predicted from the others, without the causes
-//! and with them. Instants and time constants are sought again on the others ([`sought_again`]). The ratio of the rms
-//! has an interval from a bootstrap of sweeps.
+//! Whole sweeps are assigned to folds in advance; each fold is predicted from the others, without the causes and with
+//! them. Instants and time constants are sought again in the others ([`sought_again`]). The ratio of the rms has an
+//! interval from a bootstrap of sweeps.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -20,10 +20,10 @@ pub(crate) struct HeldOut {
     pub(crate) interval: [f64; 2],
 }
 
-/// Number of readings of a sweep, its squares without and with the causes.
+/// Number of readings of a sweep, and its squares without and with the causes.
 pub(crate) type Sums = (usize, f64, f64);
 
-/// Sweeps are dealt to as many folds.
+/// Number of folds.
 pub(crate) const FOLDS: usize = 5;
 
 /// Resamples of the bootstrap: its 95 % interval is then good to a tenth of its width.
@@ -32,7 +32,7 @@ const RESAMPLES: usize = 1000;
 const SEED: u64 = 0x6865_6c64_2d6f_7574;
 
 impl HeldOut {
-    /// Of the sums of sweeps.
+    /// From the sums of sweeps.
     pub(crate) fn of(sums: &[Sums]) -> Self {
         let count: usize = sums.iter().map(|s| s.0).sum();
         let rms = |squares: f64| (squares / count as f64).sqrt();
@@ -46,12 +46,12 @@ impl HeldOut {
         }
     }
 
-    /// Whether the causes predict worse than nothing.
+    /// Whether the causes certainly predict worse than nothing.
     pub(crate) fn is_loss(&self) -> bool {
         self.interval[0] >= 1.0
     }
 
-    /// Whether they certainly predict better.
+    /// Whether the causes certainly predict better than nothing.
     pub(crate) fn is_gain(&self) -> bool {
         self.interval[1] < 1.0
     }
@@ -63,7 +63,7 @@ impl HeldOut {
         }
     }
 
-    /// The gain, with the share of the misfit above the noise that went away: rms `before` and `after`, all µm.
+    /// The gain, with the share of the misfit above the noise that was removed, by the rms `before` and `after`, µm.
     pub(crate) fn gain(self, before_um: f64, after_um: f64, noise_um: f64) -> Gain {
         let excess = before_um.powi(2) - noise_um.powi(2);
         let left = (after_um.powi(2) - noise_um.powi(2)).max(0.0);
@@ -77,7 +77,7 @@ impl HeldOut {
     }
 }
 
-/// The square root of the second of two sums divided by the first, for resampled blocks, in rising order.
+/// The square root of the second of two sums divided by the first, for resampled blocks, in ascending order.
 pub(crate) fn resampled_ratios(blocks: &[[f64; 2]], draws: usize, seed: u64) -> Vec<f64> {
     let mut generator = ChaCha8Rng::seed_from_u64(seed);
     let mut resampled = || {
@@ -94,9 +94,9 @@ pub(crate) fn resampled_ratios(blocks: &[[f64; 2]], draws: usize, seed: u64) -> 
     ratios
 }
 
-/// The same causes with shapes and parameters from other data, of which `plain` is a model without causes, and what these
-/// leave with them; directions of the parameters that these hardly show are shrunk
-/// ([`trueaxis_selection::Gram::shrunk`]). A cause that they do not show stays out.
+/// The same causes with shapes and parameters from other data, given a model `plain` of these without causes, and the
+/// residuals with the causes; directions of the parameters that these data hardly show are shrunk
+/// ([`trueaxis_selection::Gram::shrunk`]). A cause that they do not show is left out.
 pub(crate) fn sought_again<D: Measured>(
     data: &D,
     plain: &D::Model,

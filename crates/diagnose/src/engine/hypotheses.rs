@@ -7,13 +7,13 @@ use trueaxis_selection::{FixedScan, Hypothesis, Projection, Scan, StepScan, Visi
 
 use crate::engine::Measured;
 
-/// Hypotheses that the data can show, and those that they cannot.
+/// Hypotheses that the data can show, and hypotheses that they cannot show.
 pub(crate) struct Hypotheses {
     pub(crate) scans: Vec<Box<dyn Scan>>,
     pub(crate) without_trace: Vec<Hypothesis>,
 }
 
-/// All hypotheses of a level, in the order of the catalogue; of the subjects those that `is_wanted`.
+/// All hypotheses of a level on wanted subjects, in the order of the catalogue.
 pub(crate) fn of_catalogue(
     level: trueaxis_effects::Level,
     scene: &Scene,
@@ -34,11 +34,11 @@ pub(crate) fn of_catalogue(
     all
 }
 
-/// Positions of an axis from which on data test how an effect goes with them: what two show agrees with any law.
+/// Least number of positions of an axis that test how an effect depends on them: two agree with any law.
 const LEAST_POSITIONS: usize = 3;
 
-/// Whether the steps of a campaign test the law of the effects on a subject. The bending of a stage, at a target by an axis, has one
-/// that is curved.
+/// Whether the steps of a campaign test the law of effects on a subject. Only the bending of a stage, of a target by
+/// an axis, has a curved law.
 pub(crate) fn is_tested(campaign: &Campaign, subject: &Subject) -> bool {
     let (Some(axis), Some(_)) = (subject.axis, subject.target) else {
         return true;
@@ -50,7 +50,7 @@ pub(crate) fn is_tested(campaign: &Campaign, subject: &Subject) -> bool {
     positions.len() >= LEAST_POSITIONS
 }
 
-/// Makes hypotheses ready to be compared with what `projection` leaves, in their order.
+/// Prepares hypotheses, in their order, for the comparison with what `projection` leaves.
 pub(crate) fn scans<D: Measured>(
     data: &D,
     model: &D::Model,
@@ -76,7 +76,7 @@ pub(crate) fn scans<D: Measured>(
     hypotheses
 }
 
-/// One hypothesis, if the data can show it.
+/// Prepares one hypothesis, if the data can show it.
 pub(crate) fn scan<D: Measured>(
     data: &D,
     model: &D::Model,
@@ -122,20 +122,20 @@ fn scan_at<D: Measured>(
     Some(Box::new(scan))
 }
 
-/// Makes a column zero in the rows that are not after something.
+/// Makes a column zero in the rows for which `is_after` is false.
 fn leave_before_out(column: &mut [f64], is_after: &dyn Fn(usize) -> bool) {
     let rows = column.iter_mut().enumerate();
     rows.filter(|(row, _)| !is_after(*row))
         .for_each(|(_, value)| *value = 0.0);
 }
 
-/// `count` values from `first` on, each `ratio` times the one before; none without a first.
+/// `count` values from `first` on, each `ratio` times the previous one; empty if `first` is zero.
 pub(crate) fn in_equal_ratios(first: f64, ratio: f64, count: i32) -> Vec<f64> {
     let all = (0..count).map(|k| first * ratio.powi(k));
     all.filter(|value| *value > 0.0).collect()
 }
 
-/// From the first to the last reading, s.
+/// Duration from the first to the last reading, s.
 pub(crate) fn duration_s(visits: &[VisitTimes]) -> f64 {
     let first = visits.first().map_or(0.0, |v| v.span_s[0]);
     let last = visits.last().map_or(0.0, |v| v.span_s[1]);

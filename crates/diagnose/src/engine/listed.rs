@@ -1,8 +1,8 @@
-//! Hypotheses whose whitened columns are listed for every shape: readings and runs, where nothing is adjusted anew.
+//! Hypotheses with whitened columns for a list of shapes: readings and runs, where nothing is adjusted anew.
 //!
-//! The list has neighbours that hardly lose anything of what lies between them. Where that matters the best of a list is
-//! looked for between its neighbours ([`crate::engine::Finer`]), and that joins the list of the hypothesis for this model. A period or time
-//! constant joins the parameters by its derivative ([`Listed::sizes`]), so that all of them carry its uncertainty.
+//! The list is so dense that little is lost between its shapes. Where that matters, a better shape between the
+//! neighbours of the best one is sought ([`crate::engine::Finer`]) and joins the list for this model. A period or
+//! time constant joins the parameters by its derivative ([`Listed::sizes`]): all then include its uncertainty.
 
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
@@ -19,14 +19,14 @@ use crate::{Cause, Rival};
 /// A hypothesis in the model, at one shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Chosen {
-    /// Which candidate.
+    /// Index of the candidate.
     pub(crate) candidate: usize,
     pub(crate) shape: f64,
     /// Standard deviation of the shape.
     pub(crate) u_shape: f64,
 }
 
-/// What there is to explain, and what may explain it.
+/// The data, and the candidates that may explain them.
 pub(crate) struct Listed<'a> {
     /// The base model's projection.
     pub(crate) base: Projection,
@@ -37,17 +37,17 @@ pub(crate) struct Listed<'a> {
 pub(crate) struct Beside {
     /// The model.
     pub(crate) model: Projection,
-    /// Those that are physically possible, the one with the most evidence first.
+    /// The physically possible ones, the one with the most evidence first.
     pub(crate) scores: Vec<Score>,
-    /// Those of a size that no machine has.
+    /// Those of an impossible size.
     pub(crate) impossible: Vec<Score>,
     pub(crate) scans: Vec<Box<dyn Scan>>,
-    /// Which candidate each scan is.
+    /// Index of the candidate of each scan.
     pub(crate) numbers: Vec<usize>,
     null: OnceLock<Null>,
 }
 
-/// A cause against the model with the others.
+/// A cause judged against the model with the others.
 pub(crate) struct Judged {
     pub(crate) cause: Chosen,
     pub(crate) score: Score,
@@ -56,18 +56,18 @@ pub(crate) struct Judged {
     pub(crate) beside: Beside,
 }
 
-/// A cause with its parameters in the model of all.
+/// A cause with its parameters, with all causes in the model.
 pub(crate) struct Sized {
-    /// Of its linear parameters; a covariance for observations of variance one.
+    /// Fit of its linear parameters; the covariance is for observations of unit variance.
     pub(crate) fit: Fit,
-    /// Standard uncertainty of its shape for such observations, if it joined them.
+    /// Standard uncertainty of its shape for such observations, if the shape joined the parameters.
     pub(crate) u_shape: Option<f64>,
 }
 
-/// What a shape of a list must explain, in units of the noise, for what a better one in between explains beyond it to matter.
+/// Least statistic of a listed shape, in units of the noise, for which a better shape in between matters.
 const WORTH_REFINING: f64 = 20.0;
 
-/// Parts of the distance of two neighbours in the list to which a shape is found: to compare what it explains, and in the end.
+/// Accuracy of a shape, as a share of the distance of its neighbours in the list: for comparisons, and in the end.
 const ROUGHLY: f64 = 1e-2;
 const REFINED: f64 = 1e-5;
 
@@ -76,7 +76,7 @@ impl<'a> Listed<'a> {
         &self.candidates[cause.candidate].hypothesis
     }
 
-    /// The candidate that a score is of.
+    /// The candidate of a score.
     pub(crate) fn candidate(&self, beside: &Beside, score: &Score) -> &Candidate<'a> {
         &self.candidates[beside.numbers[score.scan]]
     }
@@ -98,10 +98,10 @@ impl<'a> Listed<'a> {
         self.base.extended(&self.columns(causes))
     }
 
-    /// The hypotheses that the data can see beside a model with causes, and which candidate each is.
+    /// The hypotheses that the data see beside a model with causes, with the candidate of each.
     ///
-    /// No effect happens twice to the same subject: a second time constant or period of the same name
-    /// would fit anything.
+    /// No effect occurs twice on the same subject: a second time constant or period of the same name would fit
+    /// anything.
     pub(crate) fn beside(&self, causes: &[Chosen]) -> Beside {
         let model = self.with(causes);
         let worth = WORTH_REFINING * model.squares() / model.degrees_of_freedom.max(1.0);
@@ -137,7 +137,7 @@ impl<'a> Listed<'a> {
         }
     }
 
-    /// A scored hypothesis as a cause, with its shape as close as the data tell it.
+    /// A scored hypothesis as a cause, with its shape as accurate as the data show it.
     pub(crate) fn chosen(&self, beside: &Beside, score: &Score) -> Chosen {
         let candidate = self.candidate(beside, score);
         let shape = candidate.refined(&beside.model, score.shape, REFINED);
@@ -150,7 +150,7 @@ impl<'a> Listed<'a> {
         }
     }
 
-    /// All causes free together, with those of their shapes that take every value.
+    /// The parameters of all causes together, including shapes that take any value.
     pub(crate) fn sizes(&self, causes: &[Chosen]) -> Vec<Sized> {
         let linear = Fit::new(&self.base, &self.columns(causes));
         let (mut first, mut columns, mut places) = (0, Vec::new(), Vec::new());
@@ -192,7 +192,7 @@ impl<'a> Listed<'a> {
         places.into_iter().zip(causes).map(of_cause).collect()
     }
 
-    /// Cause `k` if the others are in the model; `None` if they leave nothing of it.
+    /// Judges cause `k` with the others in the model; `None` if they leave nothing of it.
     pub(crate) fn judge(&self, causes: &[Chosen], k: usize) -> Option<Judged> {
         let beside = self.beside(&without(causes, k));
         let score = beside.score_of(&causes[k])?;
@@ -204,8 +204,8 @@ impl<'a> Listed<'a> {
         })
     }
 
-    /// A judged cause with its parameters from a fit of its columns to observations of this variance, and the standard uncertainty
-    /// of its shape; its size in the data and its rivals are to be filled in.
+    /// A judged cause with its parameters from a fit of its columns to observations of this variance, and the
+    /// standard uncertainty of its shape; its size in the data and its rivals are filled in later.
     pub(crate) fn cause(
         &self,
         judged: &Judged,
@@ -227,7 +227,7 @@ impl<'a> Listed<'a> {
         }
     }
 
-    /// What cannot be told from a judged cause: its score, its fit and its columns say.
+    /// The rivals of a judged cause: hypotheses for whose score, fit and columns `is_close` holds.
     pub(crate) fn rivals(
         &self,
         judged: &Judged,
@@ -235,7 +235,7 @@ impl<'a> Listed<'a> {
     ) -> Vec<Rival> {
         let beside = &judged.beside;
         let others = beside.scores.iter();
-        // The same effect in another form is no rival.
+        // Another form of the same effect is no rival.
         let own = self.hypothesis(&judged.cause);
         let is_other = |score: &&Score| !self.candidate(beside, score).hypothesis.is(own);
         let others = others.filter(is_other);
@@ -258,7 +258,7 @@ impl<'a> Listed<'a> {
 }
 
 impl Beside {
-    /// That of a cause that is not in the model.
+    /// The score of a cause that is not in the model.
     pub(crate) fn score_of(&self, cause: &Chosen) -> Option<Score> {
         let mut scores = self.scores.iter();
         let own = scores.find(|score| self.numbers[score.scan] == cause.candidate);
@@ -277,7 +277,7 @@ impl Beside {
     }
 }
 
-/// All causes but one.
+/// All causes except `k`.
 pub(crate) fn without(causes: &[Chosen], k: usize) -> Vec<Chosen> {
     let others = causes.iter().enumerate().filter(|(i, _)| *i != k);
     others.map(|(_, cause)| *cause).collect()

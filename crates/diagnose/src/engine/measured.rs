@@ -1,4 +1,4 @@
-//! What differs between kinds of data, and what is found in all of them.
+//! What differs between kinds of data, and what is found in all kinds.
 
 use trueaxis_effects::{ResolvedEffect, Scene, Shape};
 use trueaxis_selection::{Fit, Hypothesis, Projection, Score, VisitTimes, is_rival};
@@ -15,11 +15,11 @@ pub(crate) trait Measured: Sync {
     /// Family-wise level of the causes.
     const CAUSE_LEVEL: f64;
 
-    /// More causes at once are a pile of names, not a diagnosis.
+    /// Most causes at once: more would be a list of names, not a diagnosis.
     const MOST_CAUSES: usize;
 
-    /// Whether an effect may be looked for a second time on the subject of a cause, to show that it has no shape of
-    /// the catalogue.
+    /// Whether an effect may be sought a second time on the subject of a cause, to show that the cause does not have
+    /// the shape in the catalogue.
     const LOOKS_TWICE: bool;
 
     fn scene(&self) -> &Scene;
@@ -33,13 +33,13 @@ pub(crate) trait Measured: Sync {
     /// The causes of a model with their parameters.
     fn suspects(model: &Self::Model) -> &[Suspect];
 
-    /// Whitened columns of a hypothesis at a shape: what a unit of each parameter does to the rows of a model.
+    /// Whitened columns of a hypothesis for a shape: the change of the rows of a model by a unit of each parameter.
     fn columns<'m>(
         &'m self,
         model: &'m Self::Model,
     ) -> impl Fn(&Hypothesis, f64) -> Vec<Vec<f64>> + Sync + 'm;
 
-    /// The same from the beginning of time on, and not whitened.
+    /// The same columns, with an effect from the beginning of time on, not whitened.
     fn unwhitened(&self, model: &Self::Model, hypothesis: &Hypothesis) -> Vec<Vec<f64>>;
 
     fn whiten(&self, model: &Self::Model, column: &mut [f64]);
@@ -47,29 +47,29 @@ pub(crate) trait Measured: Sync {
     /// Rows and times between which an instant may lie.
     fn visits(&self) -> Vec<VisitTimes>;
 
-    /// The time constants or lags that are tried, in rising order.
+    /// The time constants or lags to try, ascending.
     fn shapes(&self, shape: Shape) -> Vec<f64>;
 
-    /// Adjusts everything with causes, from their present parameters, and the noise that they leave.
+    /// Adjusts everything with causes, starting from their present parameters, and estimates the noise.
     fn refit(&self, suspects: Vec<Suspect>) -> Result<Self::Model, Error>;
 
-    /// The same in the noise of a model with other causes.
+    /// The same with the noise of a model with other causes.
     fn refit_near(&self, near: &Self::Model, suspects: Vec<Suspect>) -> Result<Self::Model, Error>;
 
-    /// The causes with two names exchanged that no exchange of one at a time finds.
+    /// The causes with two names exchanged at once, where exchanging one at a time fails.
     fn exchanged(&self, _: &[Suspect]) -> Option<Vec<Suspect>> {
         None
     }
 
-    /// What a cause makes responsible.
+    /// What a cause blames.
     fn culprit(&self, suspect: &Suspect) -> Culprit;
 
-    /// The range of each parameter of a hypothesis, outside which a value rules it out.
+    /// The range of each parameter of a hypothesis; a value outside rules the hypothesis out.
     fn plausible(&self, hypothesis: &Hypothesis) -> Vec<Option<[f64; 2]>> {
         plausible(hypothesis, self.scene())
     }
 
-    /// Whether a hypothesis cannot be told from a leader that it explains at least half as much as.
+    /// Whether a hypothesis that explains at least half as much as a leader is indistinguishable from it.
     fn is_alike(leader: (&Hypothesis, &Score), other: (&Hypothesis, &Score), cosine: f64) -> bool {
         is_rival(leader.1, other.1, cosine)
     }
@@ -114,7 +114,7 @@ impl Suspect {
     }
 }
 
-/// A cause with its judgement beside the others.
+/// A cause with its judgement with the others in the model.
 #[derive(Debug, Clone)]
 pub(crate) struct Found {
     pub(crate) suspect: Suspect,
@@ -125,8 +125,8 @@ pub(crate) struct Found {
     pub(crate) evidence: f64,
     /// Drop of the sum of squares by this cause.
     pub(crate) statistic: f64,
-    /// What explains as much, with its BIC.
+    /// Other effects that explain as much, with their BIC.
     pub(crate) rivals: Vec<(Suspect, f64)>,
-    /// What may have wandered instead, with its evidence.
+    /// Disturbances that may have been there instead, with their evidence.
     pub(crate) wandering: Vec<(Wanderer, f64)>,
 }

@@ -1,8 +1,8 @@
 //! Whether anything at all is left in the residuals, and what it varies with.
 //!
-//! Each test adds smooth functions of something to the model, projects them as the residuals were
-//! projected, and takes the F test of what they explain: its null distribution is exact for normal
-//! noise. Several tests share their level (Bonferroni).
+//! Each test adds smooth functions of a quantity to the model, projects them like the residuals, and applies the F
+//! test to what they explain: its null distribution is exact for normal noise. Several tests share their level
+//! (Bonferroni).
 
 use std::collections::BTreeSet;
 
@@ -13,23 +13,23 @@ use trueaxis_selection::{Fit, Projection, f_test, gram_of};
 
 use crate::{OmnibusTest, Unexplained};
 
-/// Family-wise level of the omnibus tests of lengths or points: with that of the causes, 0.7 % of clean campaigns of
-/// lengths alarm.
+/// Family-wise level of the omnibus tests of lengths or points: with the level of the causes, 0.7 % of clean
+/// campaigns of lengths raise an alarm.
 pub(crate) const OMNIBUS_LEVEL: f64 = 0.002;
 
-/// A test of few data that takes more of the degrees of freedom than this part says little.
+/// Largest share of the degrees of freedom for a test of few data; one that takes more says little.
 pub(crate) const MOST_OF_FREEDOM: f64 = 1.0 / 3.0;
 
-/// Columns that the residuals may vary with.
+/// Columns of a quantity with which residuals may vary.
 pub(crate) struct Family {
     pub(crate) varies_with: &'static str,
-    /// Whitened as the rows of the model that is tested.
+    /// Whitened like the rows of the tested model.
     pub(crate) columns: Vec<Vec<f64>>,
 }
 
 impl Family {
-    /// A number of columns that are independent for sure: those that begin in different rows. The time of a test grows with the
-    /// third power of its columns, of which there are hundreds where each reading is a cycle of its own.
+    /// A number of columns that are certainly independent: those that begin in different rows. The time of a test
+    /// grows with the third power of its columns, and there are hundreds where each reading is a cycle of its own.
     fn least_rank(&self) -> usize {
         let first = |column: &Vec<f64>| column.iter().position(|&x| x != 0.0);
         let first: BTreeSet<usize> = self.columns.iter().filter_map(first).collect();
@@ -37,18 +37,18 @@ impl Family {
     }
 }
 
-/// A test with what it found.
+/// A test with its result.
 #[derive(Debug, Clone)]
 pub(crate) struct Omnibus {
     pub(crate) test: OmnibusTest,
-    /// Squares explained.
+    /// Drop of the sum of squares.
     pub(crate) drop: f64,
-    /// Squares explained beyond what noise explains, in units of its variance.
+    /// Drop beyond the one expected from noise, in units of the noise's variance.
     pub(crate) excess: f64,
 }
 
 impl Omnibus {
-    /// The test of whitened columns, alone.
+    /// The test of one family of whitened columns.
     pub(crate) fn of(family: &Family, projection: &Projection) -> Self {
         let columns = &family.columns;
         let gram = gram_of(projection, columns);
@@ -67,12 +67,12 @@ impl Omnibus {
         }
     }
 
-    /// Whether it finds something in lengths or points.
+    /// Whether it is significant for lengths or points.
     pub(crate) fn is_clear(&self) -> bool {
         self.test.p_value < OMNIBUS_LEVEL
     }
 
-    /// Those of several families that take no more than a part of the degrees of freedom.
+    /// The tests of several families, each taking at most the share `part` of the degrees of freedom.
     pub(crate) fn of_all(projection: &Projection, families: &[Family], part: f64) -> Vec<Self> {
         let most = part * projection.degrees_of_freedom;
         let taken = projection.rows() as f64 - projection.degrees_of_freedom;
@@ -84,7 +84,7 @@ impl Omnibus {
     }
 }
 
-/// What the tests that are clear find in what a model leaves, whose rms is `rms_um`.
+/// What significant tests find in what a model leaves, whose rms is `rms_um`.
 pub(crate) fn unexplained(
     level: Level,
     projection: &Projection,
@@ -105,7 +105,7 @@ pub(crate) fn unexplained(
     }
 }
 
-/// The tests with the p-values of all of them together.
+/// The tests with family-wise p-values.
 pub(crate) fn family_wise(mut tests: Vec<Omnibus>) -> Vec<Omnibus> {
     let count = tests.len() as f64;
     for omnibus in &mut tests {
@@ -114,8 +114,8 @@ pub(crate) fn family_wise(mut tests: Vec<Omnibus>) -> Vec<Omnibus> {
     tests
 }
 
-/// Half waves of something in each group of rows: `cos(kπx)`, `k` up to `most`, from 0 (a constant) if `with_constant`.
-/// A place is the group of a row and its x, 0 to 1; rows without one are nothing, as are columns that are left out.
+/// Half waves of a quantity in each group of rows: `cos(kπx)`, `k` up to `most`, from 0 (a constant) if
+/// `with_constant`. A place is the group of a row and its x, 0 to 1; rows without are zero. Zero columns are dropped.
 pub(crate) fn waves_of(
     places: impl IntoIterator<Item = Option<(usize, f64)>>,
     with_constant: bool,
@@ -140,7 +140,7 @@ pub(crate) fn waves_of(
     columns
 }
 
-/// The families that vary at a level, and the `squares` left in each.
+/// The families with significant tests, with the `squares` left in each.
 pub(crate) fn still_left<'a>(
     families: &'a [Family],
     tests: &[Omnibus],
@@ -155,16 +155,16 @@ pub(crate) fn still_left<'a>(
     own.collect()
 }
 
-/// What is left in columns, times the part of a cause's effect that lies in them, in squares of that effect,
-/// from which the cause is taken for an imitation. A cause that fits leaves noise, far less than it took.
+/// Squares left in columns, times the part of a cause's effect within these columns, relative to the squares of the
+/// effect, from which the cause counts as an imitation. A correct cause leaves noise, far less than it took.
 const TOO_MUCH_LEFT: f64 = 0.25;
 
-/// The same of one course in time: what wanders looks like a jump or a drift in most of its squares, so that these
-/// are named only if they take 95 %. And of a free function of the position, which fits many things.
+/// The same limit for one course in time: a disturbance looks like a jump or a drift in most of its squares, so these
+/// are named only if they take 95 %. It also applies to free functions of position, which fit many things.
 const TOO_MUCH_OF_ANY_FORM: f64 = 1.0 / 19.0;
 
-/// Whether a cause that fits so in the base model merely takes a part of what is left in the same columns: a wrong
-/// name takes a part of an unknown disturbance and leaves the rest. `left` are families with the squares left in them.
+/// Whether a cause with this fit in the base model only takes part of what is left in the same columns: a wrong name
+/// takes part of an unknown disturbance and leaves the rest. `left` are families with the squares left in them.
 pub(crate) fn is_imitation(
     base: &Projection,
     fit: &Fit,
@@ -180,7 +180,7 @@ pub(crate) fn is_imitation(
     })
 }
 
-/// Part of the squares of an effect that lies in columns, both after the projection.
+/// Part of the squares of an effect within some columns, both after the projection.
 fn part_within(base: &Projection, columns: &[Vec<f64>], fit: &Fit) -> f64 {
     let mut rest = fit.effect.clone();
     base.extended(columns).project(&mut rest);

@@ -1,15 +1,15 @@
-//! Causes that take each other away.
+//! Causes that cancel each other.
 //!
-//! Lost motion, and an offset of the time stamps at an almost even feed, do nearly the same to readings: against each other they can be
-//! as large as they like, for what little the feed varies.
+//! Lost motion, and an offset of the time stamps at a nearly even feed, change readings in nearly the same way:
+//! opposite to each other they can have any size, because of the small variation of the feed.
 
 use trueaxis_selection::{Fit, Projection, combined, gram_matrix};
 
-/// What one cause does against what all do together, in squares.
+/// Ratio of the squares of one effect to those of all effects together.
 const OPPOSED: f64 = 25.0;
 
-/// Whether one of some causes does far more to the data than all of them together, beside what a model absorbs. `does` is what each
-/// does, whitened.
+/// Whether the effect of one cause is far larger than that of all causes together, after what a model absorbs. `does`
+/// has the whitened effect of each.
 pub(crate) fn are_opposed(model: &Projection, does: &[Vec<f64>]) -> bool {
     let matrix = gram_matrix(model, does);
     let each = (0..does.len()).map(|k| matrix[k * (does.len() + 1)]);
@@ -17,7 +17,7 @@ pub(crate) fn are_opposed(model: &Projection, does: &[Vec<f64>]) -> bool {
     each.fold(0.0, f64::max) > OPPOSED * together
 }
 
-/// What each of some causes does, with the sizes that they have beside each other.
+/// The effect of each cause, with all sizes fitted together.
 pub(crate) fn does_with(model: &Projection, of_each: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
     let fit = Fit::new(model, &of_each.concat());
     let mut sizes = fit.estimates.as_slice();
@@ -33,7 +33,7 @@ pub(crate) fn does_with(model: &Projection, of_each: &[Vec<Vec<f64>>]) -> Vec<Ve
 mod tests {
     use super::*;
 
-    /// Of two that are alike: 700 against 690 leave 10; of 7 against 3 the larger one is left.
+    /// Of two equal effects, 700 against 690 leave 10; of 7 against 3 the larger is left.
     #[test]
     fn two_that_cancel_are_opposed() {
         let at = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };

@@ -1,11 +1,11 @@
-//! Where the misfit lives.
+//! The misfit by groups of readings.
 
 use std::collections::BTreeMap;
 
 use crate::Place;
 
-/// The groups of rows that have something in common, in the order of their keys, each with its name; `rms_um` of the rows
-/// of one, before and after. One group alone says nothing about where.
+/// The groups of rows with something in common, in the order of their keys, each with its name; `rms_um` is the rms
+/// of the rows of a group, before and after. A single group says nothing about where the misfit is.
 pub(crate) fn places(
     by: &'static str,
     groups: impl IntoIterator<Item = Option<(usize, String)>>,

@@ -1,4 +1,4 @@
-//! Hypotheses against what a model leaves, the one with the most evidence first.
+//! Hypotheses compared with what a model leaves, the one with the most evidence first.
 
 use trueaxis_effects::Scene;
 use trueaxis_selection::{EQUAL, Fit, Hypothesis, Null, Projection, Scan, Score, cosine, rank};
@@ -12,11 +12,11 @@ pub(crate) struct Ranking<'m, S> {
     pub(crate) scores: Vec<Score>,
 }
 
-/// Rivals that are worth a line.
+/// Most rivals to be listed.
 const MOST_RIVALS: usize = 8;
 
 impl<'m> Ranking<'m, Vec<Box<dyn Scan>>> {
-    /// Of hypotheses against what a model leaves.
+    /// Ranks hypotheses by what a model leaves.
     pub(crate) fn new<D: Measured>(data: &D, model: &'m D::Model, all: &[Hypothesis]) -> Self {
         let projection = D::projection(model);
         Self::of(data, projection, scans(data, model, projection, all).scans)
@@ -24,7 +24,7 @@ impl<'m> Ranking<'m, Vec<Box<dyn Scan>>> {
 }
 
 impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
-    /// Of hypotheses that were made ready.
+    /// Ranks prepared hypotheses.
     pub(crate) fn of<D: Measured>(data: &D, projection: &'m Projection, scans: S) -> Self {
         let mut ranking = Self {
             scores: rank(projection, scans.as_ref()),
@@ -36,7 +36,7 @@ impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
             let hypothesis = ranking.hypothesis(score);
             let plausible = data.plausible(hypothesis);
             let is_free = plausible.iter().all(Option::is_none);
-            // Whitened with the noise: of unit variance.
+            // Whitened, so that the noise has unit variance.
             is_free || ranking.fit(score).is_possible(&plausible, 1.0)
         });
         ranking.scores = scores;
@@ -59,7 +59,7 @@ impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
         (Suspect::new(*self.hypothesis(score), shape, &fit), fit)
     }
 
-    /// The first that noise does not explain at a family-wise level, and `own` rather than one with the same evidence.
+    /// The first that noise does not explain at a family-wise level; `own` instead of another with the same evidence.
     pub(crate) fn leader(
         &self,
         null: &Null,
@@ -76,11 +76,11 @@ impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
         self.scores.iter().find(as_good).or(Some(leader))
     }
 
-    /// What explains as much as the leader, whose fit is `fit`, with its BIC.
+    /// The hypotheses that explain as much as the leader, whose fit is `fit`, with their BIC.
     pub(crate) fn rivals<D: Measured>(&self, leader: &Score, fit: &Fit) -> Vec<(Suspect, f64)> {
         let mut rivals = Vec::new();
         for score in &self.scores {
-            // Who explains less than half cannot be alike, and has no evidence.
+            // A hypothesis that explains less than half is no rival.
             if score.scan == leader.scan || score.statistic < 0.5 * leader.statistic {
                 continue;
             }
@@ -95,7 +95,7 @@ impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
         rivals
     }
 
-    /// Those that explain at least `part` of what the leader explains, in the order of the hypotheses.
+    /// The hypotheses that explain at least the share `part` of what the leader explains, in their order.
     pub(crate) fn comparable(&self, leader: &Score, part: f64) -> Vec<Hypothesis> {
         let near = |&number: &usize| {
             let own = self.scores.iter().find(|s| s.scan == number);

@@ -1,12 +1,12 @@
-//! One cause after the other.
+//! The search for causes, one after the other.
 //!
 //! 1. The hypothesis with the most evidence, among those that noise alone would not match at the level of the causes,
-//!    joins them.
-//! 2. All of them settle ([`settle`]): each is compared with every other hypothesis while the others are
-//!    in the model, with the noise that is left; a better one takes its place, and one that is no longer
-//!    needed leaves. The first cause is often a compromise between two.
-//! 3. It ends when nothing joins, or when the next would be the same trouble under another name
-//!    ([`Culprits`]) or no more than the shape of an earlier one.
+//!    joins the causes.
+//! 2. All causes settle ([`settle`]): each is compared with every other hypothesis with the other causes in the
+//!    model, in the noise that is left; a better one replaces it, and one that is not needed leaves. The first cause
+//!    is often a compromise between two.
+//! 3. The search ends when nothing joins, or when the next cause would be the same problem under another name
+//!    ([`Culprits`]) or only the shape of an earlier one.
 
 use trueaxis_effects::Shape;
 use trueaxis_selection::{DECISIVE, EQUAL, Fit, Hypothesis, Null, Scan, combined};
@@ -16,7 +16,7 @@ use crate::engine::between::{golden_section, neighbours};
 use crate::engine::opposed::are_opposed;
 use crate::engine::{Culprits, Found, Measured, Ranking, Suspect};
 
-/// The causes, the model with them, and what a further cause would explain that is not one of its own.
+/// The causes, the model with them, and what a further cause that is not a separate one would explain.
 pub(crate) struct Search<M> {
     pub(crate) found: Vec<Found>,
     pub(crate) adjusted: M,
@@ -34,12 +34,12 @@ impl<M> Search<M> {
     }
 }
 
-/// A hypothesis that explains less than this part of what the leader explains is no rival of it in
-/// the same model, whatever the noise is found to be: rivals explain at least half.
+/// A hypothesis that explains less than this share of what the leader explains is no rival in the same model,
+/// whatever the noise: rivals explain at least half.
 const WORTH_COMPARING: f64 = 0.25;
 
-/// Finds the causes of what `start`, a model without any, leaves. `first` are the scans of `all`
-/// hypotheses of that model.
+/// Finds the causes of what `start`, a model without causes, leaves. `first` are the scans of `all` hypotheses for
+/// that model.
 pub(crate) fn find_causes<D: Measured>(
     data: &D,
     start: D::Model,
@@ -64,7 +64,7 @@ pub(crate) fn find_causes<D: Measured>(
         let Some((leader, comparable)) = next else {
             break;
         };
-        // Beside others everything is looked at again: what they hid may come out.
+        // Beside earlier causes all hypotheses are compared again: those causes may have hidden some.
         let candidates = if suspects.is_empty() {
             &comparable
         } else {
@@ -84,8 +84,7 @@ pub(crate) fn find_causes<D: Measured>(
     Ok(search)
 }
 
-/// The hypothesis with the most evidence among those that noise does not explain, and those that are
-/// worth comparing with it.
+/// The hypothesis with the most evidence among those that noise does not explain, and those to compare with it.
 fn next<S: AsRef<[Box<dyn Scan>]>>(
     ranking: &Ranking<'_, S>,
     null: &Null,
@@ -96,18 +95,18 @@ fn next<S: AsRef<[Box<dyn Scan>]>>(
     Some((ranking.suspect(leader).0, comparable))
 }
 
-/// The hypotheses that are looked at beside causes.
+/// The hypotheses to be tried beside causes.
 fn free<D: Measured>(all: &[Hypothesis], suspects: &[Suspect]) -> Vec<Hypothesis> {
     let is_free = |h: &&Hypothesis| D::LOOKS_TWICE || suspects.iter().all(|s| !s.hypothesis.is(h));
     all.iter().filter(is_free).copied().collect()
 }
 
-/// A further cause that explains less than this part of what the others explain may be no more than
-/// their shape, which is never quite that of the catalogue; for the same reason it must be more certain.
+/// A further cause that explains less than this share of what the others explain may be only their shape, which is
+/// never quite that of the catalogue; for the same reason it must be more certain.
 pub(crate) const SHAPE_ERROR: f64 = 0.05;
 pub(crate) const FURTHER_LEVEL: f64 = 0.001;
 
-/// What the weakest of several causes explains, if it is not a cause of its own.
+/// What the weakest of several causes explains, if the last addition is not a separate cause.
 fn not_its_own<D: Measured>(data: &D, model: &D::Model, found: &[Found]) -> Option<f64> {
     if found.len() < 2 {
         return None;
@@ -122,7 +121,7 @@ fn not_its_own<D: Measured>(data: &D, model: &D::Model, found: &[Found]) -> Opti
     is_none.then_some(weakest)
 }
 
-/// Whether the causes of a model are there to take each other away.
+/// Whether the causes of a model cancel each other.
 fn opposed<D: Measured>(data: &D, model: &D::Model) -> bool {
     let columns = data.columns(model);
     let does = D::suspects(model).iter().map(|suspect| {
@@ -132,10 +131,10 @@ fn opposed<D: Measured>(data: &D, model: &D::Model) -> bool {
     are_opposed(D::bare(model), &does.collect::<Vec<_>>())
 }
 
-/// Exchanges of causes for better ones before it is enough.
+/// Most exchanges of causes for better ones.
 const MOST_EXCHANGES: usize = 6;
 
-/// Judges each cause against the candidates with the others in the model until none changes any more.
+/// Judges each cause against the candidates with the others in the model until nothing changes.
 pub(crate) fn settle<D: Measured>(
     data: &D,
     mut suspects: Vec<Suspect>,
@@ -151,7 +150,7 @@ pub(crate) fn settle<D: Measured>(
             let mut others = suspects.clone();
             let own = others.remove(k);
             let free = free::<D>(candidates, &others);
-            // With the noise that is left: a large disturbance blurs its own rivals.
+            // In the noise left without it: a large disturbance hides its own rivals.
             let without = data.refit_near(&adjusted, others)?;
             let Some(judged) = judged(data, &without, &own, &free, null) else {
                 suspects.remove(k);
@@ -171,7 +170,7 @@ pub(crate) fn settle<D: Measured>(
         adjusted = data.refit(suspects.clone())?;
         let others = data.exchanged(D::suspects(&adjusted));
         if let Some(others) = others.filter(|_| !changed) {
-            // As many parameters, so that the squares decide.
+            // The number of parameters is the same, so the squares decide.
             let other = data.refit_near(&adjusted, others)?;
             let more = D::projection(&other).squares() - D::projection(&adjusted).squares();
             if more < -EQUAL && exchanges < MOST_EXCHANGES {
@@ -194,7 +193,7 @@ pub(crate) fn settle<D: Measured>(
     }
 }
 
-/// Lists exchanged causes as rivals of those whose places they take; together they leave `more` squares.
+/// Lists exchanged causes as rivals of those that they replace; together they leave `more` squares.
 fn add_exchanged(found: &mut [Found], others: &[Suspect], more: f64) {
     for (found, other) in found.iter_mut().zip(others) {
         let is_other = |suspect: &Suspect| suspect.hypothesis.is(&other.hypothesis);
@@ -204,8 +203,8 @@ fn add_exchanged(found: &mut [Found], others: &[Suspect], more: f64) {
     }
 }
 
-/// The best explanation of what a model without one of its causes leaves, and its rivals; `None` if
-/// noise explains it.
+/// The best explanation of what a model without one of its causes leaves, with its rivals; `None` if noise explains
+/// it.
 fn judged<D: Measured>(
     data: &D,
     without: &D::Model,
@@ -214,7 +213,7 @@ fn judged<D: Measured>(
     null: &Null,
 ) -> Option<Found> {
     let ranking = Ranking::new(data, without, candidates);
-    // An explanation with the same evidence is no reason to change.
+    // Equal evidence is no reason for an exchange.
     let best = ranking.leader(null, D::CAUSE_LEVEL, Some(&own.hypothesis))?;
     let (mut suspect, mut fit) = ranking.suspect(best);
     if let Some(ends) = ends(data, &suspect) {
@@ -231,7 +230,7 @@ fn judged<D: Measured>(
     })
 }
 
-/// Between which values a shape that was found in its list is looked for more closely; `None` if the list has all.
+/// Limits between which a listed shape is refined; `None` if the list has all shapes.
 fn ends<D: Measured>(data: &D, suspect: &Suspect) -> Option<[f64; 2]> {
     let shape = suspect.hypothesis.effect.shape;
     if !matches!(
@@ -249,11 +248,10 @@ fn ends<D: Measured>(data: &D, suspect: &Suspect) -> Option<[f64; 2]> {
     }
 }
 
-/// Part of a time constant to which it is refined.
+/// Relative accuracy to which a time constant is refined.
 const REFINED: f64 = 1e-3;
 
-/// A time constant or a lag between its neighbours in the list that were tried: golden section on what it
-/// explains.
+/// A time constant or a lag between its neighbours in the list: golden section on what it explains.
 fn refined<D: Measured>(
     data: &D,
     without: &D::Model,

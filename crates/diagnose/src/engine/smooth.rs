@@ -1,43 +1,43 @@
-//! How much a smooth process of unknown form explains of what a model leaves.
+//! How much of what a model leaves a smooth process of unknown form explains.
 //!
-//! Its standard deviation is that of the largest restricted likelihood, its evidence flat over the correlation lengths.
-//! Its p-value is that of the restricted likelihood ratio at the border `w = 0`, `½ P(χ²₁ > LR)`, which is on the safe
-//! side (Crainiceanu and Ruppert 2004).
+//! Its standard deviation maximises the restricted likelihood; its evidence is flat over the correlation lengths. Its
+//! p-value is that of the restricted likelihood ratio at the border `w = 0`, `½ P(χ²₁ > LR)`, which is conservative
+//! (Crainiceanu and Ruppert 2004).
 
 use trueaxis_leastsquares::{chi_squared_upper_tail, dot};
 use trueaxis_selection::{Projection, gram_matrix, mean_evidence, restricted_likelihood};
 
-/// Family-wise level of all that may wander in a set of data.
+/// Family-wise level of all disturbances of a set of data.
 pub(crate) const SMOOTH_LEVEL: f64 = 0.002;
 
 /// Correlation lengths that are tried, as parts of the range.
 const LENGTHS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 
-/// What changes faster is repeatability.
+/// Least number of stops in a correlation length; faster changes are repeatability.
 const LEAST_STOPS: f64 = 3.0;
 
-/// Correlation lengths that a number of stops can show.
+/// Correlation lengths that courses with this number of stops can show.
 pub(crate) fn correlation_lengths(stops: usize) -> Vec<f64> {
     let is_seen = |length: &f64| length * stops as f64 >= LEAST_STOPS;
     LENGTHS.into_iter().filter(is_seen).collect()
 }
 
-/// A process as likely as can be.
+/// The most likely process.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Smooth {
-    /// Which of the spectra.
+    /// Index of the spectrum.
     pub(crate) spectrum: usize,
     /// w, in standard deviations of the noise times the unit of the columns.
     pub(crate) width: f64,
     /// Twice the logarithm of its marginal likelihood ratio.
     pub(crate) evidence: f64,
-    /// As if it were the only one.
+    /// P-value as if it were the only process tested.
     pub(crate) p_value: f64,
 }
 
 impl Smooth {
-    /// Of whitened columns whose coefficients have the standard deviations of one of some spectra, equally likely beforehand; none if the
-    /// data do not show it.
+    /// The most likely process with whitened columns, whose coefficients have the prior standard deviations of one of
+    /// the spectra, equally likely; `None` if the data do not show it.
     pub(crate) fn new(
         projection: &Projection,
         columns: &[Vec<f64>],
@@ -77,8 +77,8 @@ impl Smooth {
     }
 }
 
-/// Twice the logarithm of the marginal likelihood ratio of one of `tried` processes, scaled to its prior, against a model
-/// without it, and the model with it.
+/// Twice the logarithm of the marginal likelihood ratio of one of `tried` processes, scaled to its prior, against a
+/// model without it; and the model with it.
 pub(crate) fn beside_one_of(
     model: &Projection,
     columns: &[Vec<f64>],
@@ -90,14 +90,14 @@ pub(crate) fn beside_one_of(
     (evidence, with)
 }
 
-/// Coefficients with the prior `N(0, I)` given the data: mean and covariance, in variances of the noise.
+/// Posterior of coefficients with the prior `N(0, I)`: mean and covariance, in variances of the noise.
 pub(crate) struct Posterior {
     pub(crate) mean: Vec<f64>,
     covariance: Vec<f64>,
 }
 
 impl Posterior {
-    /// Of whitened columns that are in the covariance of a model.
+    /// The posterior for whitened columns that are in the covariance of a model.
     pub(crate) fn new(model: &Projection, columns: &[Vec<f64>]) -> Self {
         let mean = columns.iter().map(|c| dot(c, &model.residuals)).collect();
         let mut covariance = gram_matrix(model, columns);
@@ -108,7 +108,7 @@ impl Posterior {
         Self { mean, covariance }
     }
 
-    /// A linear function of the coefficients from `first` on, and its variance.
+    /// A linear function of the coefficients from `first` on, with its variance.
     pub(crate) fn of(&self, first: usize, row: &[f64]) -> (f64, f64) {
         let (width, n) = (row.len(), self.mean.len());
         let through = |i: usize| dot(row, &self.covariance[(first + i) * n + first..][..width]);

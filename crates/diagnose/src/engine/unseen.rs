@@ -1,4 +1,4 @@
-//! Effects that data cannot show. They may be there all the same.
+//! Effects that data cannot show. They may still be there.
 
 use trueaxis_campaign::Campaign;
 use trueaxis_effects::{Effect, Level, Scene, Subject, effect};
@@ -7,8 +7,8 @@ use trueaxis_selection::Hypothesis;
 use crate::NotObservable;
 use crate::engine::{is_tested, of_catalogue};
 
-/// An effect that the data cannot show, with what it does to one result for a unit of it; what to measure is what tells
-/// it from its rivals.
+/// An effect that the data cannot show, with the effect of a unit of it on one result; the measurement to make is the
+/// one that distinguishes it from its rivals.
 pub(crate) fn unseen(
     effect: &Effect,
     subject: String,
@@ -24,7 +24,7 @@ pub(crate) fn unseen(
     }
 }
 
-/// Hypotheses without a trace in the data, effect after effect, with the reason that the data have for each.
+/// Hypotheses without a trace in the data, effect after effect, each with its reason.
 pub(crate) fn without_trace(
     scene: &Scene,
     hypotheses: &[Hypothesis],
@@ -51,7 +51,7 @@ pub(crate) fn without_trace(
     alike.map(of_effect).collect()
 }
 
-/// Effects whose law these steps do not test.
+/// Effects whose law the steps of a campaign do not test.
 pub(crate) fn untested(level: Level, campaign: &Campaign, scene: &Scene) -> Vec<NotObservable> {
     let all = of_catalogue(level, scene, |subject| !is_tested(campaign, subject));
     let why = "its axis stood at two positions only, which agree with any law";
@@ -63,7 +63,7 @@ pub(crate) fn untested(level: Level, campaign: &Campaign, scene: &Scene) -> Vec<
     said.collect()
 }
 
-/// The scale of the instrument, which everything stretches with.
+/// The scale of the instrument, with which everything stretches.
 pub(crate) fn length_scale(reason: &str, bias: Vec<(String, String)>) -> Option<NotObservable> {
     let unseen = unseen(effect("length_scale")?, String::new(), reason, ("", ""));
     Some(NotObservable {

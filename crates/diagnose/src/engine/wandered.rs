@@ -1,4 +1,4 @@
-//! Report of what wanders: how much, how fast, and its curve, with units.
+//! Report of disturbances: size, speed, and course, with units.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -14,10 +14,10 @@ use crate::engine::{Posterior, Wanders};
 use crate::extremes::extremes;
 use crate::{CorrelationLength, CurvePoint, Disturbance, Gain, Wandering};
 
-/// Points of a curve, all occupations together.
+/// Number of points of a curve, all occupations together.
 const POINTS: usize = 33;
 
-/// The disturbances of a model; `gain` if there is nothing else that gains.
+/// The disturbances of a model; `gain` if nothing else contributes to the gain.
 pub(crate) fn wandered<D: Wanders>(
     base: &D,
     level: Level,
@@ -55,7 +55,7 @@ pub(crate) fn wandered<D: Wanders>(
     judged.into_iter().map(report).collect()
 }
 
-/// What wanders, by its public name; with the position of the axis of one course.
+/// A wanderer by its public name; `course` selects the axis whose positions count.
 pub(crate) fn whose(level: Level, wanderer: Wanderer, course: Option<usize>) -> Wandering {
     Wandering {
         level,
@@ -74,7 +74,7 @@ pub(crate) fn whose(level: Level, wanderer: Wanderer, course: Option<usize>) -> 
     }
 }
 
-/// The range of its argument, time or the positions of an axis, and the unit: s, mm or deg. Of occupations the longest.
+/// The range of the argument, time or positions of an axis, with its unit, s, mm or deg; for occupations the longest.
 fn range<D: Wanders>(
     base: &D,
     all: &[Here],
@@ -98,20 +98,20 @@ fn range<D: Wanders>(
     (longest.unwrap_or_default(), "s")
 }
 
-/// First and last of some readings, s.
+/// Earliest and latest time of some readings, s.
 fn span_s<'h>(some: impl Iterator<Item = &'h Here>) -> [f64; 2] {
     extremes(some.map(|here| here.time_s))
 }
 
-/// The coefficients of a disturbance given the data, in units of what they have beforehand.
+/// The coefficients of a disturbance given the data, in units of their prior standard deviation.
 struct Coefficients<'h> {
     all: &'h [Here],
     wanderer: Wanderer,
     posterior: Posterior,
     coordinates: Vec<Coordinate>,
-    /// What a unit of each coordinate displaces, µm.
+    /// Displacement by a unit of each coordinate, µm.
     units_um: Vec<f64>,
-    /// Standard deviation beforehand of the coefficients.
+    /// Prior standard deviations of the coefficients.
     roots: Vec<f64>,
     rms_um: f64,
 }
@@ -142,7 +142,7 @@ impl<'h> Coefficients<'h> {
         }
     }
 
-    /// Of what varies with the positions of several axes the one with which it varies most.
+    /// For variation with the positions of several axes, the axis with the largest variation.
     fn course(&self) -> Option<usize> {
         let courses = self.wanderer.courses(self.all);
         let of_one = self.posterior.mean.len() / courses.len().max(1);
@@ -161,7 +161,7 @@ impl<'h> Coefficients<'h> {
         largest.filter(|_| is_of_axes).map(|k| courses[k])
     }
 
-    /// Each coordinate with its standard uncertainty over time, occupation after occupation, or over the positions of `axis`.
+    /// Each coordinate with its standard uncertainty over time, by occupations, or over the positions of `axis`.
     fn curve<D: Wanders>(&self, base: &D, axis: Option<usize>) -> Vec<CurvePoint> {
         let courses = self.wanderer.courses(self.all);
         let shown: Vec<usize> = match axis {
@@ -200,8 +200,8 @@ impl<'h> Coefficients<'h> {
         curve
     }
 
-    /// The axis whose geometry is shown, at the ends of what was measured that are not home, of a rotary axis a quarter of a turn apart,
-    /// mm or rad; none of anything else, which has no place.
+    /// The axis whose geometry is shown, at the ends of the measured range that are not home, for a rotary axis a
+    /// quarter of a turn apart, mm or rad; `None` for anything else, which has no position.
     fn places<'b, D: Wanders>(&self, base: &'b D) -> Vec<Option<(&'b Axis, f64)>> {
         let (Who::Axis(axis), With::TimeAndPosition) = (self.wanderer.who, self.wanderer.with)
         else {
@@ -219,8 +219,8 @@ impl<'h> Coefficients<'h> {
         away.map(|place| Some((own, place))).collect()
     }
 
-    /// All that is shown at a place of a course, 0 to 1, and its standard uncertainties, µm: from the mean over the
-    /// course, since the base model takes that for the place of a station or a target.
+    /// All shown values at a place of a course, 0 to 1, with their standard uncertainties, µm, relative to the mean
+    /// over the course, which the base model assigns to the position of a station or a target.
     fn at(&self, course: usize, x: f64, shown: &[Shown]) -> (Vec<f64>, Vec<f64>) {
         let functions = self.wanderer.basis();
         let mut basis: Vec<f64> = functions.at(x).collect();

@@ -1,7 +1,7 @@
-//! What wanders beside causes.
+//! Disturbances beside causes.
 //!
-//! A [`Disturbance`] is judged as a cause is, by twice the logarithm of the marginal likelihood ratio ([`Smooth`]), flat
-//! over subjects; its p-value is that of all disturbances together (Bonferroni).
+//! A [`Disturbance`] is judged like a cause, by twice the logarithm of the marginal likelihood ratio ([`Smooth`]),
+//! flat over subjects; its p-value is family-wise for all disturbances (Bonferroni).
 
 use rayon::prelude::*;
 use trueaxis_effects::Displaced;
@@ -14,8 +14,8 @@ use crate::engine::disturbance::{Disturbance, Wanderer, With};
 use crate::engine::smooth::{SMOOTH_LEVEL, Smooth, beside_one_of};
 use crate::engine::{Suspect, Wanders};
 
-/// How far a unit of each coordinate moves things, rms over the readings that it concerns, µm; of the motions of a stage as if they were
-/// the same wherever the axis stands. Lost motion is twice what it moves.
+/// Displacement by a unit of each coordinate, rms over the readings concerned, µm; the motions of a stage count as
+/// the same at all positions of the axis. Lost motion is twice its displacement.
 pub(crate) fn units_um<D: Wanders>(data: &D, model: &D::Model, wanderer: Wanderer) -> Vec<f64> {
     let coordinates = wanderer.coordinates(data.scene()).into_iter();
     let coordinates: Vec<Coordinate> = coordinates.map(Coordinate::without_law).collect();
@@ -40,14 +40,14 @@ pub(crate) fn units_um<D: Wanders>(data: &D, model: &D::Model, wanderer: Wandere
     (0..coordinates.len()).map(unit_um).collect()
 }
 
-/// Whitens columns over the rows.
+/// Whitens columns.
 fn whitened<D: Wanders>(data: &D, model: &D::Model, mut columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let each = columns.par_iter_mut();
     each.for_each(|column| data.whiten(model, column));
     columns
 }
 
-/// Whitened columns of a disturbance, with coefficients of unit variance.
+/// Whitened columns of a disturbance, scaled to coefficients of unit prior variance.
 pub(crate) fn whitened_columns<D: Wanders>(
     data: &D,
     model: &D::Model,
@@ -58,7 +58,7 @@ pub(crate) fn whitened_columns<D: Wanders>(
     whitened(data, model, columns)
 }
 
-/// What wanders does to each row of the data, or of those `elsewhere`, as far as the data show it (posterior mean), mm.
+/// The effect of disturbances on each row, or on those of `elsewhere`, as far as the data show it, mm.
 pub(crate) fn wandered_mm<D: Wanders>(
     data: &D,
     model: &D::Model,
@@ -83,10 +83,10 @@ pub(crate) fn wandered_mm<D: Wanders>(
     sum_mm
 }
 
-/// More that wander at once cannot be separated.
+/// Most disturbances at once; more cannot be separated.
 const MOST: usize = 3;
 
-/// A size rests that changes by less than this part of itself beside the others: what it leaves hardly depends on it.
+/// A size is settled if it changes by less than this share of itself: the rest of the data hardly depends on it.
 const RESTS: f64 = 0.1;
 
 /// A disturbance with its judgement beside the others.
@@ -95,11 +95,11 @@ pub(crate) struct JudgedDisturbance {
     pub(crate) disturbance: Disturbance,
     pub(crate) evidence: f64,
     pub(crate) p_value: f64,
-    /// What explains as much.
+    /// Other wanderers that explain as much.
     pub(crate) rivals: Vec<Wanderer>,
 }
 
-/// What wanders beside causes.
+/// The disturbances beside causes.
 pub(crate) fn wandering<D: Wanders>(
     base: &D,
     suspects: &[Suspect],
@@ -107,7 +107,7 @@ pub(crate) fn wandering<D: Wanders>(
     wandering_of(base, suspects, &one_by_one(base, suspects)?)
 }
 
-/// Each disturbance beside causes, as if it were the only one; the one with the most evidence first.
+/// Each disturbance beside causes as if it were the only one, the one with the most evidence first.
 pub(crate) fn one_by_one<D: Wanders>(
     base: &D,
     suspects: &[Suspect],
@@ -117,8 +117,8 @@ pub(crate) fn one_by_one<D: Wanders>(
     Ok(judge_all(base, &adjusted, &all, all.len()))
 }
 
-/// What wanders beside causes, from disturbances judged [`one_by_one`]. Where it would be several things of their own, it may
-/// be one that they have in common: then that is tried first, too, and the better explanation taken.
+/// The disturbances beside causes, from those judged [`one_by_one`]. Instead of several separate ones there may be
+/// one that all data share: then this is also tried first, and the better explanation is taken.
 pub(crate) fn wandering_of<D: Wanders>(
     base: &D,
     suspects: &[Suspect],
@@ -138,7 +138,7 @@ pub(crate) fn wandering_of<D: Wanders>(
     for common in judged.iter().filter(|judged| is_tried(base, judged)) {
         let common = with_rivals(base, common, &[]);
         let way = joined_by_others(base, suspects, common)?;
-        // Where the others made it superfluous, they were found before.
+        // If the others made it superfluous, the result is that of the first attempt.
         if way.0.iter().any(is_common) {
             ways.push(way);
         }
@@ -153,17 +153,17 @@ pub(crate) fn wandering_of<D: Wanders>(
     Ok(best.map(|best| best.1).unwrap_or_default())
 }
 
-/// Whether it is of all that was measured.
+/// Whether it concerns all data.
 fn is_common<D: Wanders>(base: &D, judged: &JudgedDisturbance) -> bool {
     judged.disturbance.wanderer.of_kind(base.scene()) == 1
 }
 
-/// Whether it may stand first though another one has more evidence.
+/// Whether it may come first although another one has more evidence.
 pub(crate) fn is_tried<D: Wanders>(base: &D, judged: &JudgedDisturbance) -> bool {
     is_common(base, judged) && judged.p_value < SMOOTH_LEVEL
 }
 
-/// The first of judged disturbances, with those that explain as much; none if the data do not show it.
+/// The first of judged disturbances, with those that explain as much; `None` if the data do not show it.
 fn leader<D: Wanders>(base: &D, judged: &[JudgedDisturbance]) -> Option<JudgedDisturbance> {
     let (first, others) = judged.split_first()?;
     if first.p_value >= SMOOTH_LEVEL {
@@ -172,7 +172,7 @@ fn leader<D: Wanders>(base: &D, judged: &[JudgedDisturbance]) -> Option<JudgedDi
     Some(with_rivals(base, first, others))
 }
 
-/// A disturbance with its other name and those of others that explain as much.
+/// A disturbance with its twin and the others that explain as much as rivals.
 fn with_rivals<D: Wanders>(
     base: &D,
     own: &JudgedDisturbance,
@@ -188,8 +188,8 @@ fn with_rivals<D: Wanders>(
     }
 }
 
-/// A disturbance, and what wanders beside it and causes, one after the other, each with the size that it has beside the
-/// others; and the noise beside all.
+/// A disturbance and further ones beside it and the causes, one after the other, each with its size beside the
+/// others; and the noise with all of them.
 fn joined_by_others<D: Wanders>(
     base: &D,
     suspects: &[Suspect],
@@ -197,7 +197,7 @@ fn joined_by_others<D: Wanders>(
 ) -> Result<(Vec<JudgedDisturbance>, D::Noise), Error> {
     let all = base.wanderers();
     let mut own = vec![first];
-    // What is not significant beside the others would come back for ever.
+    // Otherwise one that is not significant beside the others would come back for ever.
     let mut dropped: Vec<Wanderer> = Vec::new();
     loop {
         let here = base.beside(disturbances(&own));
@@ -240,7 +240,7 @@ fn joined_by_others<D: Wanders>(
     }
 }
 
-/// Disturbances of what an adjusted model leaves, the one with the most evidence first.
+/// Disturbances in what an adjusted model leaves, the one with the most evidence first.
 pub(crate) fn judge_all<D: Wanders>(
     base: &D,
     adjusted: &D::Model,
@@ -252,7 +252,7 @@ pub(crate) fn judge_all<D: Wanders>(
     by_evidence(judged.collect(), |one: &JudgedDisturbance| one.evidence)
 }
 
-/// A disturbance of what an adjusted model leaves; none if the data do not show it.
+/// A disturbance in what an adjusted model leaves; `None` if the data do not show it.
 fn judge<D: Wanders>(
     base: &D,
     adjusted: &D::Model,
@@ -279,8 +279,8 @@ fn judge<D: Wanders>(
     })
 }
 
-/// Twice the logarithm of the marginal likelihood ratio of what wanders against a model without it, and the
-/// projection with it.
+/// Twice the logarithm of the marginal likelihood ratio of disturbances against a model without them, and the
+/// projection with them.
 pub(crate) fn of_wandering<D: Wanders>(
     base: &D,
     plain: &D::Model,

@@ -1,4 +1,4 @@
-//! What differs between kinds of data beside which something may wander.
+//! What differs between kinds of data that may have disturbances.
 
 use trueaxis_effects::{Displaced, Subject};
 use trueaxis_selection::Projection;
@@ -8,32 +8,32 @@ use crate::engine::coordinate::Coordinate;
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, With};
 use crate::engine::{Measured, Suspect};
 
-/// Data beside which something may wander.
+/// Data that may have disturbances.
 pub(crate) trait Wanders: Measured + Clone + Send {
     type Noise: Copy + Send + Sync;
 
-    /// Of a reading.
+    /// Rows of a reading.
     const ROWS: usize;
 
-    /// Everything that they may show.
+    /// All wanderers that these data may show.
     fn wanderers(&self) -> Vec<Wanderer>;
 
-    /// The other name of the same columns, if it has one.
+    /// Another wanderer with the same columns, if there is one.
     fn twin(&self, wanderer: Wanderer) -> Option<Wanderer>;
 
-    /// When and where each reading was taken.
+    /// Time and place of each reading.
     fn here(&self) -> Vec<Here>;
 
-    /// Stops of a course.
+    /// Number of stops of a course.
     fn stops(&self, with: With) -> usize;
 
-    /// Positions of an axis where it has travelled 0 and 1, mm or rad.
+    /// Positions of an axis at 0 and 1 of its range, mm or rad.
     fn ends(&self, axis: usize) -> [f64; 2];
 
-    /// What a unit of each coefficient does to the rows, mm.
+    /// Changes of the rows by a unit of each coefficient, mm.
     fn columns_mm(&self, model: &Self::Model, wanderer: Wanderer) -> Vec<Vec<f64>>;
 
-    /// What a unit of each of some coordinates of a subject moves at each reading.
+    /// Displacements of each reading by a unit of each of some coordinates of a subject.
     fn moved(
         &self,
         model: &Self::Model,
@@ -41,12 +41,12 @@ pub(crate) trait Wanders: Measured + Clone + Send {
         subject: &Subject,
     ) -> Vec<Vec<Displaced>>;
 
-    /// The same with what wanders in their covariance.
+    /// The same data with disturbances in their covariance.
     fn beside(&self, disturbances: Vec<Disturbance>) -> Self;
 
     fn disturbances(&self) -> &[Disturbance];
 
-    /// Adjusts everything with causes, in this noise or in that which is left.
+    /// Adjusts everything with causes, with this noise or the estimated one.
     fn adjust(
         &self,
         suspects: Vec<Suspect>,
@@ -57,6 +57,6 @@ pub(crate) trait Wanders: Measured + Clone + Send {
 
     fn variance(noise: &Self::Noise) -> f64;
 
-    /// A model with another projection and no causes.
+    /// A model with another projection and without causes.
     fn with(model: &Self::Model, projection: Projection) -> Self::Model;
 }

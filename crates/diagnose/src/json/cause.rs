@@ -184,7 +184,7 @@ fn estimated(estimated: &EstimatedParameter) -> GivenParameter {
     }
 }
 
-/// The effect by names, its values with their uncertainties.
+/// The effect with names, and its values with their uncertainties.
 pub(super) fn given(cause: &Cause, scene: &Scene) -> GivenEffect {
     let mut given = cause.effect.to_given(scene);
     for parameter in &mut given.parameters {

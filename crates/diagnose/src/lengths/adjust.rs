@@ -13,12 +13,12 @@ use crate::lengths::base::Base;
 
 const MAX_ITERATIONS: usize = 8;
 
-/// Rounds of noise and disturbances: the first takes one for the other.
+/// Rounds of noise and disturbances: in the first each is mistaken for the other.
 const ROUNDS: usize = 3;
 
 impl Base<'_> {
-    /// Adjusts everything with `suspects` in the model, from their present parameters. Without
-    /// `noise` it is estimated.
+    /// Adjusts everything with `suspects` in the model, from their present parameters. Without `noise` the noise is
+    /// estimated.
     pub(crate) fn adjust(
         &self,
         suspects: Vec<Suspect>,
@@ -27,8 +27,8 @@ impl Base<'_> {
         self.adjust_from(None, suspects, noise)
     }
 
-    /// The same in the noise of a model with other causes. What its rigid model and what wanders absorb serves again:
-    /// causes of some µm over a metre change that by a millionth.
+    /// The same with the noise of a model with other causes. What its rigid model and its disturbances absorb is used
+    /// again: causes of some µm over a metre change it by a millionth.
     pub(crate) fn adjust_near(
         &self,
         near: &Adjusted,
@@ -54,7 +54,7 @@ impl Base<'_> {
                 solution = solve_from(&network, &solution)?;
             } else {
                 network.noise = self.network.noise;
-                // What wanders is no noise.
+                // Disturbances are no noise.
                 let add = |network: &mut Network, sign: f64| {
                     for (reading, mm) in network.readings.iter_mut().zip(&by_wandering_mm) {
                         reading.length_mm += sign * mm;
@@ -92,7 +92,7 @@ impl Base<'_> {
                 ..
             } = adjusted;
         }
-        // The parameters move by more than their rest: the last linear step is still the best there is.
+        // The parameters still move: the last linear step is the best available.
         let mut adjusted = self.adjust_given(suspects, network.noise)?;
         let columns = self.columns_of_suspects(&adjusted);
         adjusted.projection = adjusted.projection.extended(&columns);
@@ -106,7 +106,7 @@ impl Base<'_> {
             .collect()
     }
 
-    /// Adjusts everything with the causes as they are.
+    /// Adjusts everything with fixed causes.
     pub(crate) fn adjust_given(
         &self,
         suspects: Vec<Suspect>,
@@ -150,7 +150,7 @@ impl Base<'_> {
         }
     }
 
-    /// The lengths less what the causes do to them: exact distances between displaced points.
+    /// The lengths less the effects of the causes: exact distances between displaced points.
     fn correct(&self, network: &mut Network, solution: &Solution, suspects: &[Suspect]) {
         for (i, reading) in self.readings.iter().enumerate() {
             let measured_mm = self.network.readings[i].length_mm;

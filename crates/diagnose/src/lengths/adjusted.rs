@@ -10,28 +10,28 @@ use crate::engine::Suspect;
 
 /// An adjusted model.
 pub(crate) struct Adjusted {
-    /// The network with the noise used; its lengths are less what the causes do to them.
+    /// The network with the noise used; its lengths are less the effects of the causes.
     pub(crate) network: Network,
     pub(crate) solution: Solution,
     /// Whitened rows of the rigid model.
     pub(crate) whitened: Arc<Whitened>,
     /// What neither the rigid model nor the causes absorb.
     pub(crate) projection: Projection,
-    /// What the rigid model does not absorb, beside what wanders; the causes are left out of it.
+    /// What the rigid model does not absorb, with disturbances in the covariance and without causes.
     pub(crate) before_causes: Arc<Projection>,
     /// The causes with their parameters.
     pub(crate) suspects: Vec<Suspect>,
 }
 
-/// Parameters of causes rest when they move by less than this part of their uncertainty.
+/// Parameters of causes are settled when they move by less than this share of their uncertainty.
 const RESTS: f64 = 1e-3;
 
-/// What is left of residuals after a projection that has made them differs from them by less than this part.
+/// Relative difference of residuals and their projection below which the residuals are already projected.
 const PROJECTED: f64 = 1e-6;
 
 impl Adjusted {
-    /// Whether the rigid model takes nothing more of its residuals. It does where something is known beforehand, as a
-    /// dead path.
+    /// Whether the rigid model absorbs nothing more of its residuals. It does absorb more where something is known
+    /// beforehand, such as a dead path.
     pub(super) fn is_projected(&self) -> bool {
         let mut residuals = self.solution.residuals_mm.clone();
         self.whitened.whiten(&mut residuals);
@@ -41,7 +41,7 @@ impl Adjusted {
         taken.sum::<f64>() <= PROJECTED.powi(2) * dot(&residuals, &residuals)
     }
 
-    /// The same with another projection and no causes.
+    /// The same with another projection and without causes.
     pub(crate) fn with(&self, projection: Projection) -> Self {
         Self {
             network: self.network.clone(),
@@ -53,7 +53,7 @@ impl Adjusted {
         }
     }
 
-    /// Moves the parameters by a fit of what is left; whether they rest.
+    /// Moves the parameters by a fit of what is left; returns whether they are settled.
     pub(super) fn update(&mut self, fit: &Fit) -> bool {
         let all = fit.estimates.len();
         let mut first = 0;

@@ -1,4 +1,4 @@
-//! The lengths of a campaign with their base model, and what effects do to them.
+//! The lengths of a campaign with their base model, and the effects on them.
 
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::{Scene, TemperatureHistory};
@@ -27,27 +27,27 @@ pub(crate) struct Base<'a> {
     pub(crate) groups: Vec<Group>,
     pub(crate) readings: Vec<Reading>,
     temperatures: Vec<TemperatureHistory>,
-    /// Solution without causes: where the others start.
+    /// Solution without causes, the start of the others.
     pub(crate) start: Solution,
-    /// Whether its noise is declared.
+    /// Whether the noise is declared.
     pub(super) declared: bool,
     /// Readings that were left out as gross errors.
     pub(crate) left_out: Vec<LeftOut>,
-    /// Stations whose lengths scatter more than those of the others, and weigh less.
+    /// Stations whose lengths scatter more than those of the others, and have less weight.
     pub(crate) uneven: Vec<usize>,
-    /// What wanders: in the covariance of the lengths.
+    /// Disturbances in the covariance of the lengths.
     pub(crate) disturbances: Vec<Disturbance>,
     /// First and last time of all lengths, s.
     pub(crate) span_s: [f64; 2],
 }
 
-/// Factor on the variance of lengths that are to be predicted: a thousand of them then weigh as much as
-/// a thousandth of one.
+/// Factor on the variance of lengths that are to be predicted: a thousand of them have the weight of a thousandth of
+/// one length.
 const NO_WEIGHT: f64 = 1e6;
 
 impl<'a> Base<'a> {
-    /// The lengths as their calibration adjusted them, without causes. Gross errors are left out;
-    /// interrupted beams are not split, since these are to be found.
+    /// The lengths as their calibration adjusted them, without causes. Gross errors are left out; interrupted beams
+    /// are not split, because the search is to find them.
     pub(crate) fn new(
         campaign: &'a Campaign,
         lengths: &Lengths,
@@ -55,7 +55,7 @@ impl<'a> Base<'a> {
     ) -> Result<Self, Error> {
         let all = network_from_campaign(campaign, lengths, false);
         let removed = adjustment.map_or(&[][..], |adjustment| &adjustment.screened.removed);
-        // With other groups it is no start.
+        // An adjustment with other groups is no start.
         let same = |adjustment: &&LengthsAdjustment<'_>| {
             adjustment.settings.method == Method::Joint && !adjustment.settings.by_direction
         };
@@ -65,8 +65,8 @@ impl<'a> Base<'a> {
         Self::leaving_out(campaign, lengths, all, removed, near)
     }
 
-    /// Adjusts a campaign's lengths without causes and without the readings `removed` (ascending), from a
-    /// solution of the same steps if there is one.
+    /// Adjusts a campaign's lengths without causes and without the readings `removed` (ascending), from a solution of
+    /// the same steps if there is one.
     pub(crate) fn leaving_out(
         campaign: &'a Campaign,
         lengths: &Lengths,
@@ -108,7 +108,7 @@ impl<'a> Base<'a> {
         reading.observation(self.campaign, &self.network, solution, &self.temperatures)
     }
 
-    /// What causes do to a reading, mm.
+    /// The effect of causes on a reading, mm.
     pub(crate) fn effect_mm(
         &self,
         reading: &Reading,
@@ -128,13 +128,13 @@ impl<'a> Base<'a> {
         observation.lengthening_mm(&suspects.iter().map(of_suspect).sum())
     }
 
-    /// All readings at the places of a solution.
+    /// All readings at the positions of a solution.
     pub(crate) fn observations<'b>(&'b self, solution: &Solution) -> Vec<Observation<'b>> {
         let readings = self.readings.iter();
         readings.map(|r| self.observation(r, solution)).collect()
     }
 
-    /// Whitened columns of a hypothesis: what a unit of each parameter does to the lengths.
+    /// Whitened columns of a hypothesis: changes of the lengths by a unit of each parameter.
     pub(crate) fn columns(
         &self,
         adjusted: &Adjusted,
@@ -145,7 +145,7 @@ impl<'a> Base<'a> {
         self.columns_at(&observations, &adjusted.whitened, hypothesis, shape)
     }
 
-    /// The same at readings whose places are known.
+    /// The same for readings with known positions.
     pub(crate) fn columns_at(
         &self,
         observations: &[Observation<'_>],
@@ -160,7 +160,7 @@ impl<'a> Base<'a> {
         columns
     }
 
-    /// The same as they are.
+    /// The same, not whitened.
     pub(crate) fn columns_mm(
         &self,
         observations: &[Observation<'_>],
@@ -188,8 +188,8 @@ impl<'a> Base<'a> {
         self.with_network(network, readings)
     }
 
-    /// The same lengths with next to no weight for some: these say where their station is, but move
-    /// nothing that others say anything about.
+    /// The same lengths with practically no weight for some: these determine the dead path of their station, but
+    /// change nothing that others determine.
     pub(crate) fn without_weight(&self, held: &[usize]) -> Result<Self, Error> {
         let mut network = self.network.clone();
         network.variance_factors.resize(network.readings.len(), 1.0);
@@ -218,8 +218,7 @@ impl<'a> Base<'a> {
         })
     }
 
-    /// Measured minus predicted lengths for all of the lengths of `all`, mm, from a model adjusted to
-    /// these lengths only.
+    /// Measured minus predicted lengths for all lengths of `all`, mm, by a model adjusted to these lengths only.
     pub(crate) fn predicted_misfit_mm(&self, all: &Base<'_>, adjusted: &Adjusted) -> Vec<f64> {
         let solution = &adjusted.solution;
         let misfit = |(i, reading): (usize, &Reading)| {

@@ -1,4 +1,4 @@
-//! The lengths with what wanders in their covariance.
+//! The lengths with disturbances in their covariance.
 
 use rayon::prelude::*;
 use trueaxis_campaign::Direction;
@@ -133,7 +133,7 @@ impl Wanders for Base<'_> {
 }
 
 impl Base<'_> {
-    /// What a unit of each coefficient does to the lengths, mm.
+    /// Changes of the lengths by a unit of each coefficient, mm.
     fn columns_of(&self, all: &[Here], solution: &Solution, wanderer: Wanderer) -> Vec<Vec<f64>> {
         let subject = wanderer.subject();
         wanderer.columns(&self.scene, all, |i, coordinates| {
@@ -143,7 +143,7 @@ impl Base<'_> {
         })
     }
 
-    /// The projection without causes, what wanders in the covariance.
+    /// The projection without causes, with disturbances in the covariance.
     pub(crate) fn before_causes(&self, whitened: &Whitened, solution: &Solution) -> Projection {
         let mut projection = Projection::of_network(whitened);
         let all = match self.disturbances.is_empty() {
@@ -163,8 +163,8 @@ impl Base<'_> {
         projection
     }
 
-    /// The model adjusted to what is left of its lengths without what wanders: its poses and stations are then
-    /// those of generalised least squares.
+    /// The model adjusted to its lengths less the disturbances: its poses and stations are then those of generalised
+    /// least squares.
     pub(crate) fn less(&self, adjusted: &Adjusted, wandered_mm: &[f64]) -> Result<Adjusted, Error> {
         let mut network = adjusted.network.clone();
         for (reading, wandered_mm) in network.readings.iter_mut().zip(wandered_mm) {

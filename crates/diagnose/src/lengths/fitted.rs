@@ -8,8 +8,8 @@ use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::noise_floor::mean_noise_um;
 
-/// Of one station and target: `rest` is what all causes and what wanders leave, `current` the model with all causes. The
-/// other causes stay as they were fitted with this one.
+/// The figure for one station and target: `rest` is what all causes and disturbances leave, `current` the model with
+/// all causes. The other causes keep the values fitted together with this one.
 pub(crate) fn fitted(
     base: &Base<'_>,
     rest: &Adjusted,

@@ -1,8 +1,8 @@
-//! A machine that is larger in place of lengths that are shown too long.
+//! A machine that is larger instead of lengths that are shown too long.
 //!
-//! From one station a machine that grew by s, all of it, is a scale s of its lengths: `u (p - c) s = l s - u (c - station) s`, and the
-//! rest is absorbed by where the station stands. Over time it is not, but hardly anything else differs. Targets on the bed tell
-//! them apart, since they stay.
+//! From one station a whole machine that grew by s is a scale s of its lengths: `u (p - c) s = l s - u (c - station)
+//! s`, where the station's position absorbs the rest. Over time it does not, but the difference is small. Targets on
+//! the bed, which do not move, distinguish the two.
 
 use trueaxis_selection::{DECISIVE, Fit, Hypothesis};
 
@@ -12,7 +12,7 @@ use crate::engine::disturbance::{Wanderer, Who, With};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 
-/// Adds to scales of lengths the machine that wanders, where one that grows by the same course explains nearly as much.
+/// Adds a wandering machine to scales of lengths, where one that grows in the same course explains nearly as much.
 pub(crate) fn add_growth(
     base: &Base<'_>,
     adjusted: &Adjusted,
@@ -33,7 +33,7 @@ pub(crate) fn add_growth(
         let own = base.columns(&without, &hypothesis, found.suspect.shape);
         let own = Fit::new(&without.projection, &own).gained();
         let grown = grown(base, &without, &hypothesis, found.suspect.shape);
-        // Where it is held is not a finding, so it costs nothing.
+        // The point where the machine is held is no finding, so it costs nothing.
         let gained = Fit::new(&without.projection, &grown).gained();
         if own - gained < DECISIVE {
             let machine = Wanderer {
@@ -46,7 +46,7 @@ pub(crate) fn add_growth(
     Ok(())
 }
 
-/// Whitened columns of a machine that grows as a scale of lengths goes: about the origin, and the place where it is held.
+/// Whitened columns of a machine that grows in the course of a scale of lengths, about the origin and any point.
 fn grown(base: &Base<'_>, adjusted: &Adjusted, scale: &Hypothesis, shape: f64) -> Vec<Vec<f64>> {
     let observations = base.observations(&adjusted.solution);
     let of_lengths = base.columns_mm(&observations, scale, shape).swap_remove(0);
@@ -56,7 +56,7 @@ fn grown(base: &Base<'_>, adjusted: &Adjusted, scale: &Hypothesis, shape: f64) -
         adjusted.whitened.whiten(&mut column);
         column
     };
-    // A metre, so that all columns are as long as each other.
+    // A metre, so that all columns have similar length.
     let held = (0..3).map(|c| with_course(&|i| 1e3 * observations[i].beam[c]));
     let grows = with_course(&|i| {
         observations[i]

@@ -1,16 +1,15 @@
-//! The gain on lengths that the model was not fitted to.
+//! The gain on lengths not used for the fit.
 //!
-//! Whole sweeps (one axis, one repeat, one direction, from one station) are dealt to five folds in their
-//! order, each station beginning with another fold so that no step loses several stations at once,
-//! before anything is looked at. For each fold the model without and with the causes is adjusted
-//! to the others (instants and time constants are sought again there) and predicts it. Misfits are
-//! weighted with the noise, its correlation within a stop included: a slip of a target shows in the
-//! differences of three lengths, which are known four times better than one length. The ratio of the rms
-//! has an interval from a bootstrap of sweeps.
+//! Whole sweeps (one axis, one repeat, one direction, from one station) are assigned to five folds in their order and
+//! in advance; each station begins with another fold, so that no step loses several stations at once. For each fold
+//! the model without and with the causes is adjusted to the others (instants and time constants are sought again) and
+//! predicts it. Misfits are weighted with the noise including its correlation within a stop: a slip of a target shows
+//! in the differences of three lengths, which are known four times better than one length. The ratio of the rms has
+//! an interval from a bootstrap of sweeps.
 //!
-//! With five or more stations each station is a fold, too. Its own place and dead path, which no other
-//! length knows, come from its lengths, but the poses and the causes do not: its lengths take part with a
-//! weight that moves nothing else.
+//! With five or more stations each station is a fold, too. Its position and dead path, which no other length shows,
+//! come from its own lengths, but the poses and the causes do not: its lengths take part with a weight that changes
+//! nothing else.
 
 use rayon::prelude::*;
 use trueaxis_poses::LengthCircumstances as Reading;
@@ -20,12 +19,12 @@ use crate::engine::{FOLDS, HeldOut, Sums, Wanders, sought_again, wandered_mm};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 
-/// With fewer stations than this the others alone do not determine the points well enough to predict
-/// one: four are needed for a self-calibration.
+/// Least number of stations: with fewer, the others alone do not determine the points well enough for a prediction,
+/// as self-calibration needs four.
 const MIN_STATIONS: usize = 5;
 
-/// Predicts each fold of sweeps from the others with the noise of the final model; `None` if there are
-/// too few sweeps, or a fold is needed to determine the rest.
+/// Predicts each fold of sweeps from the others with the noise of the final model; `None` if there are too few
+/// sweeps, or if a fold is needed to determine the rest.
 pub(crate) fn held_out_sweeps(
     base: &Base<'_>,
     adjusted: &Adjusted,
@@ -56,7 +55,7 @@ pub(crate) fn held_out_stations(
 /// The sweep of a reading, its misfit without and with the causes.
 type Misfits = (usize, f64, f64);
 
-/// Predicts each fold from what is left of the base without its readings (ascending).
+/// Predicts each fold from the base without the fold's readings (ascending).
 fn held_out<'a>(
     base: &Base<'a>,
     adjusted: &Adjusted,
@@ -90,7 +89,7 @@ fn held_out<'a>(
             .iter_mut()
             .zip(&wanders_mm)
             .for_each(|(misfit, w)| *misfit -= w);
-        // A fold holds whole visits, so that these are whitened among themselves.
+        // A fold holds whole visits, so it can be whitened separately.
         adjusted.whitened.whiten(&mut before);
         adjusted.whitened.whiten(&mut after);
         let misfit = |i: usize| (base.readings[i].sweep, before[i], after[i]);

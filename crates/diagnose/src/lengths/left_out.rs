@@ -1,8 +1,8 @@
-//! Lengths that were left out as gross errors, and whether the causes explain them after all.
+//! Lengths left out as gross errors, and whether the causes explain them after all.
 //!
-//! The few lengths between a slip and the end of an occupation look like accidents until the slip is known.
-//! Without them its instant is not known, either; so the causes settle again with them. And several in a
-//! row to one target, or from one station, are no accidents at all.
+//! The few lengths between a slip and the end of an occupation look like accidents until the slip is known. Nor is
+//! its instant known without them; so the causes settle again with them. And several consecutive ones to one target,
+//! or from one station, are no accidents.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -21,7 +21,7 @@ use crate::lengths::base::Base;
 /// A length that was left out.
 #[derive(Debug, Clone)]
 pub(crate) struct LeftOut {
-    /// What the screening found; its reading is the number among the lengths of the campaign.
+    /// The result of the screening; its reading is the index among the lengths of the campaign.
     pub(crate) removed: Removed,
     /// Its line in the file.
     pub(crate) line: usize,
@@ -29,7 +29,7 @@ pub(crate) struct LeftOut {
     measured_mm: f64,
 }
 
-/// A misfit of this many standard deviations is no contradiction: noise exceeds it once in 16,000 lengths.
+/// A misfit of up to this many standard deviations agrees: noise exceeds it once in 16,000 lengths.
 const AGREES: f64 = 4.0;
 
 impl LeftOut {
@@ -53,8 +53,8 @@ impl LeftOut {
         left_out.collect()
     }
 
-    /// Whether the causes explain it: as they are, or with their instants on its other side. An instant
-    /// that was found without the length is uncertain just there.
+    /// Whether the causes explain it, as they are or with their instants on its other side: an instant that was found
+    /// without the length is uncertain there.
     fn is_explained(&self, base: &Base<'_>, adjusted: &Adjusted) -> bool {
         let shifted = |instant: f64| -> Vec<Suspect> {
             let mut suspects = adjusted.suspects.clone();
@@ -87,7 +87,7 @@ impl LeftOut {
     }
 }
 
-/// Those of `all` that the causes of a model do not explain and that are no row; all that are no row if there are no causes.
+/// The lengths of `all` that are isolated and that the causes of a model, if there are any, do not explain.
 pub(crate) fn still_left_out(
     all: &[LeftOut],
     base: &Base<'_>,
@@ -98,7 +98,7 @@ pub(crate) fn still_left_out(
     alone(all.iter().filter(is_gross), lengths)
 }
 
-/// Those that are in no row, and not most of all to one target from one station.
+/// The lengths that are neither consecutive, nor most of all and to one target from one station.
 pub(crate) fn alone<'l>(
     all: impl IntoIterator<Item = &'l LeftOut>,
     lengths: &Lengths,
@@ -114,10 +114,10 @@ pub(crate) fn alone<'l>(
     all.iter().filter(is_alone).map(|l| l.removed).collect()
 }
 
-/// What is that much more than the median of many was wrong besides.
+/// A length that is off by more than this many times the median of many was wrong in addition.
 const FAR: f64 = 5.0;
 
-/// Those that are most of all, to one target from one station, ascending.
+/// The lengths to one target from one station, if they are most of all, ascending.
 fn concentrated(all: &[&LeftOut]) -> Vec<usize> {
     let mut parts: BTreeMap<(usize, usize), Vec<&LeftOut>> = BTreeMap::new();
     for left_out in all {
@@ -134,24 +134,24 @@ fn concentrated(all: &[&LeftOut]) -> Vec<usize> {
     of_them.map(|left_out| left_out.removed.reading).collect()
 }
 
-/// Wrong lengths in a row that are no accidents, at least.
+/// Fewest consecutive wrong lengths that are no accidents.
 const LEAST_IN_A_ROW: i32 = 3;
 
-/// A row of this length is none in any case.
+/// So many consecutive wrong lengths are never accidents.
 const LONG: i32 = 10;
 
-/// Rows that accidents make in a campaign, at most, in the mean.
+/// Largest expected number of such sequences by accident in a campaign.
 const ACCIDENTAL_ROWS: f64 = 0.01;
 
-/// Stops in a row that are no accidents, as many as a jump has on its far side; a machine may be read too early at fewer.
+/// Consecutive stops that are no accidents, as many as a jump has on its far side; fewer may be read too early.
 const STOPS_IN_A_ROW: usize = 4;
 
-/// Part of the stops that may be such accidents.
+/// Share of the stops that may be such accidents.
 const FEW_STOPS: f64 = 0.01;
 
-/// Those of some readings (ascending) that follow each other, ascending: as many to one target as accidents hardly ever are (three where
-/// one in a hundred is wrong, four at two), or one more from one station. A stop that is off as a whole is one accident, but at
-/// neither end of what a station read, where a tripod settles, or moved.
+/// Consecutive readings among `numbers` (ascending): as many to one target as accidents hardly ever produce (three if
+/// one in a hundred is wrong, four if two are), or one more from one station. A stop that is off as a whole is one
+/// accident, except at the ends of a station's readings, where a tripod settles or moved.
 fn in_a_row(numbers: &[usize], lengths: &Lengths) -> Vec<usize> {
     let all = lengths.readings.len() as f64;
     let share = numbers.len() as f64 / all.max(1.0);
@@ -164,7 +164,7 @@ fn in_a_row(numbers: &[usize], lengths: &Lengths) -> Vec<usize> {
     let is_whole = |stop: &&Stop| stop.readings.len() > 1 && stop.readings.clone().all(is_one);
     let whole = lengths.stops.iter().filter(is_whole).count();
     let are_few = whole <= most(FEW_STOPS, lengths.stops.len());
-    // Of each station whether any stop was in order yet, and the row of those that were not.
+    // For each station whether any stop was in order yet, and the present sequence of those that were not.
     let mut stops: BTreeMap<usize, (bool, Vec<Range<usize>>)> = BTreeMap::new();
     for stop in &lengths.stops {
         let (is_after, whole) = stops.entry(stop.station).or_default();
@@ -227,8 +227,8 @@ mod tests {
         }
     }
 
-    /// A machine that had not arrived at three stops is three accidents; a tripod that stood elsewhere at four is none, nor is a target
-    /// that was elsewhere at four.
+    /// A machine that had not arrived at three stops is three accidents; a tripod that was elsewhere at four stops is
+    /// none, nor is a target that was elsewhere at four.
     #[test]
     fn stops_as_a_whole_are_one_accident_each() {
         let lengths = lengths(600);

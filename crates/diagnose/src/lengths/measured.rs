@@ -1,4 +1,4 @@
-//! What the lengths are to the search for causes.
+//! The lengths as the search for causes needs them.
 
 use trueaxis_effects::{Layer, Scene, Shape};
 use trueaxis_selection::{DECISIVE, Hypothesis, Projection, Score, VisitTimes, is_rival};
@@ -9,13 +9,13 @@ use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::swapped::swapped;
 
-/// Time constants that are tried, from a hundredth of the campaign, or of the longest occupation of a station, to
-/// twice its length in equal ratios.
+/// Time constants to try, in equal ratios from a hundredth of the campaign, or of the longest occupation of a
+/// station, to twice its length.
 const TIME_CONSTANTS: i32 = 24;
 const SHORTEST: f64 = 0.01;
 const TIME_CONSTANT_RATIO: f64 = 1.26;
 
-/// Lags behind a temperature that are tried beside none, from a hundredth of the campaign in equal ratios.
+/// Lags behind a temperature to try besides none, in equal ratios from a hundredth of the campaign.
 const LAGS: i32 = 11;
 const LAG_RATIO: f64 = 1.6;
 
@@ -128,7 +128,7 @@ impl Measured for Base<'_> {
         }
     }
 
-    /// A temperature of the machine may have any coefficient, the refractive index of air may not.
+    /// A temperature of the machine may have any coefficient, but not the refractive index of air.
     fn plausible(&self, hypothesis: &Hypothesis) -> Vec<Option<[f64; 2]>> {
         let is_limited =
             hypothesis.subject.column.is_some() && hypothesis.effect.layer == Layer::Instrument;
@@ -136,8 +136,8 @@ impl Measured for Base<'_> {
         ranges.map(|range| range.filter(|_| is_limited)).collect()
     }
 
-    /// A temperature that was logged is an observation: what explains the data better than time does, does so
-    /// even if their courses are alike.
+    /// A logged temperature is an observation: if it explains the data better than time, it does so even if their
+    /// courses are alike.
     fn is_alike(
         (leader, of_leader): (&Hypothesis, &Score),
         (other, of_other): (&Hypothesis, &Score),

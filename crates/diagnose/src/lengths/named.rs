@@ -1,4 +1,4 @@
-//! Which causes of the lengths are named.
+//! The causes of the lengths that are named.
 
 use trueaxis_multilateration::Noise;
 
@@ -9,13 +9,13 @@ use crate::lengths::omnibus::omnibus;
 use crate::lengths::unexplained::unexplained_part;
 use crate::{Error, Unexplained};
 
-/// Causes are named if they explain more than this part of the structure beside what wanders: a remainder takes
-/// no name away, but what is a small part of something else is no cause.
+/// Least share of the structure, disturbances aside, that named causes explain: a remainder removes no name, but a
+/// small part of something else is no cause.
 const LEAST: f64 = 0.25;
 
-/// The causes that are named, the model with them and what wanders beside them, and what they leave.
+/// The named causes, the model with them and the disturbances beside them, and what they leave.
 pub(crate) struct Named<'a> {
-    /// The lengths, what wanders in their covariance.
+    /// The lengths, with the disturbances in their covariance.
     pub(crate) base: Base<'a>,
     pub(crate) found: Vec<Found>,
     pub(crate) wandering: Vec<JudgedDisturbance>,
@@ -30,8 +30,8 @@ impl Named<'_> {
     }
 }
 
-/// Names the causes of a model if they explain most of the structure beside what wanders; none otherwise. `before`
-/// are the tests of what a model without any leaves, in the noise `plain`.
+/// Names the causes of a model if they explain enough of the structure beside the disturbances, otherwise none.
+/// `before` are the tests of the model without causes, in the noise `plain`.
 pub(crate) fn named<'a>(
     base: &Base<'a>,
     model: Competed<Base<'a>>,
@@ -64,7 +64,7 @@ pub(crate) fn named<'a>(
     let closest = named.found.first().map(|f| (f.suspect.clone(), share));
     if closest.is_some() && share < LEAST {
         named = left_alone(base, plain, before)?;
-        // Even if no single test is sure, what several effects share is there.
+        // Even if no single test is certain, what several effects share is there.
         let part = unexplained_part(&named.base, &named.adjusted, &named.after, closest.as_ref());
         named.unexplained = Some(part);
     } else if is_left {
@@ -74,7 +74,7 @@ pub(crate) fn named<'a>(
     Ok(named)
 }
 
-/// Without any cause: what wanders, and what the omnibus tests find beside it is unexplained.
+/// The model without causes: disturbances, with the findings of the omnibus tests beside them as unexplained.
 pub(crate) fn left_alone<'a>(
     base: &Base<'a>,
     plain: Noise,

@@ -1,4 +1,4 @@
-//! The noise of one length as the repeats show it.
+//! The noise of one length by the repeats.
 
 use std::collections::HashMap;
 
@@ -7,14 +7,14 @@ use trueaxis_campaign::Direction;
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 
-/// Repeats with so few degrees of freedom say less than the adjustment.
+/// Fewest degrees of freedom with which repeats show more than the adjustment.
 const LEAST_DEGREES_OF_FREEDOM: usize = 30;
 
 /// Station, step, side of approach, target.
 type Visited = (usize, usize, Direction, usize);
 
-/// Standard deviation of a length among its repeats (same station, step, side of approach and target),
-/// less what the causes do to it, µm; without repeats the mean of the noise that the adjustment shows.
+/// Standard deviation of a length among its repeats (same station, step, side of approach and target), less the
+/// effects of the causes, µm; without enough repeats the mean noise by the adjustment.
 pub(crate) fn noise_floor_um(base: &Base<'_>, adjusted: &Adjusted) -> f64 {
     let mut groups: HashMap<Visited, (usize, f64, f64)> = HashMap::new();
     for (reading, length) in base.readings.iter().zip(&adjusted.network.readings) {
@@ -42,8 +42,7 @@ pub(crate) fn noise_floor_um(base: &Base<'_>, adjusted: &Adjusted) -> f64 {
     mean_noise_um(base, adjusted)
 }
 
-/// Standard deviation of a length from its own noise and the machine's repeatability, mean over the lengths,
-/// µm.
+/// Standard deviation of a length by its own noise and the machine's repeatability, mean over the lengths, µm.
 pub(crate) fn mean_noise_um(base: &Base<'_>, adjusted: &Adjusted) -> f64 {
     let noise = &adjusted.network.noise;
     let variances = base.readings.iter().map(|reading| {

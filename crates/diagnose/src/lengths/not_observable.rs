@@ -7,10 +7,10 @@ use trueaxis_selection::Hypothesis;
 use crate::NotObservable;
 use crate::engine::{length_scale, unseen, without_trace};
 
-/// What an unknown of the adjustment takes.
+/// An effect that is an unknown of the adjustment.
 const REFLECTOR_OFFSET: &str = "reflector_offset";
 
-/// What no data of this kind show, and what these data have no trace of.
+/// Effects that no data of this kind show, and effects without a trace in these data.
 pub(crate) fn not_observable(scene: &Scene, unseen_here: &[Hypothesis]) -> Vec<NotObservable> {
     let linear = scene.moving_axes(AxisKind::Linear);
     let of_scale = linear.map(|axis| {
@@ -49,7 +49,7 @@ pub(crate) fn not_observable(scene: &Scene, unseen_here: &[Hypothesis]) -> Vec<N
     list
 }
 
-/// Without a logged temperature nothing can be found to go with one.
+/// Without a logged temperature no effect can depend on one.
 fn thermal_growth(scene: &Scene) -> Option<NotObservable> {
     let is_logged = |medium: Medium| scene.temperatures.iter().any(|t| t.medium == medium);
     let effect = effect("thermal_growth").filter(|_| !is_logged(Medium::Machine))?;
@@ -63,8 +63,8 @@ fn thermal_growth(scene: &Scene) -> Option<NotObservable> {
     })
 }
 
-/// Errors that belong to the pose of a step: every station sees the same pose, whatever it is. Those that
-/// have a curve of their own are looked for in the calibrated curves.
+/// Errors that belong to the pose of a step: all stations see the same pose, whatever it is. Errors with a curve of
+/// their own are sought in the calibrated curves.
 fn absorbed_by_poses(scene: &Scene) -> Vec<NotObservable> {
     let is_of_pose = |effect: &&&Effect| {
         let levels = effect.levels;

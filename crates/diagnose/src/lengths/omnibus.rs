@@ -1,4 +1,4 @@
-//! What the lengths are tested to vary with ([`crate::engine`]).
+//! The quantities with which the lengths are tested to vary ([`crate::engine`]).
 //!
 //! | varies with | columns |
 //! | --- | --- |
@@ -64,7 +64,7 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
     family_wise(Omnibus::of_all(&adjusted.projection, &families, 1.0))
 }
 
-/// Where an axis stands in its travel, 0 to 1.
+/// Position of an axis in its travel, 0 to 1.
 pub(crate) fn travelled(base: &Base<'_>, reading: &Reading) -> f64 {
     let [low, high] = base.scene.machine.axes()[reading.axis].travel();
     let position = base.campaign.steps[reading.step].positions[reading.axis];

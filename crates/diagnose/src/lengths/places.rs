@@ -1,4 +1,4 @@
-//! Where the misfit of the lengths lives.
+//! The misfit of the lengths by groups of readings.
 
 use trueaxis_poses::LengthCircumstances as Reading;
 
@@ -7,11 +7,11 @@ use crate::engine::{places as places_by, side};
 use crate::lengths::base::Base;
 use crate::lengths::omnibus::travelled;
 
-/// Parts of the travel and of the campaign's time.
+/// Number of parts of the travel and of the campaign's time.
 const PARTS: usize = 4;
 
-/// Rms of the whitened residuals by station, target, axis, direction, repeat, position and time, before and
-/// after; `scale_um` is the noise of a length, per degree of freedom.
+/// Rms of the whitened residuals by station, target, axis, direction, repeat, position and time, before and after;
+/// `scale_um` is the noise of a length, for one degree of freedom.
 pub(crate) fn places(base: &Base<'_>, residuals: [&[f64]; 2], scale_um: [f64; 2]) -> Vec<Place> {
     let scene = &base.scene;
     let rms_um = |rows: &[usize]| {

@@ -22,8 +22,8 @@ use crate::said::{Entry, Said};
 use crate::shares::Part;
 use crate::{Error, Gain, LevelReport, Misfit, Shares};
 
-/// Finds what the lengths contradict in the rigid, quasi-static model, and why, from the adjustment of their
-/// calibration; and what causes and disturbances do to every reading of the campaign, mm.
+/// Finds what the lengths contradict in the rigid, quasi-static model, and why, starting from the adjustment of their
+/// calibration; returns also the effects of causes and disturbances on all readings of the campaign, mm.
 pub(crate) fn diagnose_lengths(
     campaign: &Campaign,
     lengths: &Lengths,
@@ -36,13 +36,13 @@ pub(crate) fn diagnose_lengths(
         mut named,
         not_observable,
     } = looked;
-    // A fold that cannot be adjusted holds nothing out.
+    // If a fold cannot be adjusted, nothing is held out.
     let held_out_by = |named: &Named<'_>| match named.is_plain() {
         true => None,
         false => held_out_sweeps(&named.base, &named.adjusted).unwrap_or(None),
     };
     let mut heldout = held_out_by(&named);
-    // What predicts unused data worse than nothing is no cause.
+    // Causes that predict unused data worse than nothing are not named.
     if heldout.is_some_and(|h| h.is_loss()) && !named.found.is_empty() {
         named = left_alone(&base, plain.network.noise, &before)?;
         heldout = held_out_by(&named);
@@ -66,7 +66,7 @@ pub(crate) fn diagnose_lengths(
     let wandered_mm = wandered_mm(&base, &current, None);
     let rest = base.less(&current, &wandered_mm)?;
     let scatter_um = noise_floor_um(&base, &rest);
-    // Both in the noise that is left at the end.
+    // Both models in the final noise.
     let noise = current.network.noise;
     let sharp = base.beside(Vec::new()).adjust(Vec::new(), Some(noise))?;
     let length_um = mean_noise_um(&base, &current);
@@ -74,7 +74,7 @@ pub(crate) fn diagnose_lengths(
         (adjusted.projection.squares() / adjusted.projection.degrees_of_freedom).sqrt() * length_um
     };
     let (before_um, after_um) = (rms_um(&sharp), rms_um(&current));
-    // What changes between repeats and is not among the causes is in their scatter, too.
+    // Changes between repeats that are not among the causes are also in the scatter of the repeats.
     let floor_um = scatter_um.min(after_um);
     let stations_out = match found.is_empty() && wandering.is_empty() {
         true => None,
@@ -157,8 +157,8 @@ pub(crate) fn diagnose_lengths(
     Ok((said, effects_mm))
 }
 
-/// For every reading of the campaign what the causes and what wanders do to it, mm. Readings that were left out keep
-/// their error.
+/// The effects of causes and disturbances on all readings of the campaign, mm. Readings that were left out keep their
+/// error.
 fn effects_mm(
     base: &Base<'_>,
     lengths: &Lengths,
@@ -202,7 +202,7 @@ fn notices(base: &Base<'_>) -> Vec<String> {
     notices
 }
 
-/// Rms of what a cause does to the lengths, µm.
+/// Rms of the effect of a cause on the lengths, µm.
 fn rms_of_effect_um(base: &Base<'_>, current: &Adjusted, suspect: &Suspect) -> f64 {
     let alone = std::slice::from_ref(suspect);
     let effects_mm = base.readings.iter();

@@ -18,8 +18,8 @@ use crate::lengths::not_observable::not_observable;
 use crate::lengths::omnibus::omnibus;
 use crate::{Error, NotObservable};
 
-/// The lengths, and what the search finds in them. Readings that were left out as gross errors come back where they are
-/// in a row, or where a cause explains them.
+/// The lengths, and the findings of the search in them. Readings that were left out as gross errors come back if they
+/// are consecutive, or if a cause explains them.
 pub(crate) fn looked_at<'a>(
     mut base: Base<'a>,
     lengths: &'a Lengths,
@@ -37,7 +37,7 @@ pub(crate) fn looked_at<'a>(
         base.left_out = all.clone();
     }
     let mut searched = Searched::of(&base)?;
-    // Asked before what wanders is looked for, which takes longest.
+    // Before the search for disturbances, which takes longest.
     let are_other = |base: &Base<'a>, gross: &[Removed]| {
         !gross.iter().eq(base.left_out.iter().map(|l| &l.removed))
     };
@@ -64,25 +64,25 @@ fn hypotheses(adjusted: &Adjusted) -> Vec<Hypothesis> {
     adjusted.suspects.iter().map(|s| s.hypothesis).collect()
 }
 
-/// What the search finds in the lengths of a base.
+/// The findings of the search in the lengths of a base.
 pub(crate) struct Looked<'a> {
     /// The model without causes.
     pub(crate) plain: Adjusted,
-    /// The tests of what it leaves.
+    /// The tests of this model.
     pub(crate) before: Vec<Omnibus>,
     pub(crate) named: Named<'a>,
     pub(crate) not_observable: Vec<NotObservable>,
 }
 
-/// No interferometer resolves less, µm: what is left of simulated lengths without noise is the rounding of
-/// the adjustment, and no cause is looked for in it.
+/// Best resolution of an interferometer, µm: what is left of simulated lengths without noise is the rounding of the
+/// adjustment, in which no cause is sought.
 const RESOLUTION_UM: f64 = 1e-3;
 
-/// Causes of the lengths of a base as if nothing wandered.
+/// Causes of the lengths of a base, found without disturbances.
 struct Searched {
     /// The model without causes.
     plain: Adjusted,
-    /// The tests of what it leaves.
+    /// The tests of this model.
     before: Vec<Omnibus>,
     all: Vec<Hypothesis>,
     null: Null,
@@ -91,7 +91,7 @@ struct Searched {
 }
 
 impl Searched {
-    /// Tests and searches.
+    /// Tests the lengths and searches for causes.
     fn of(base: &Base<'_>) -> Result<Self, Error> {
         let plain = base.adjust(Vec::new(), None)?;
         let residuals_um = plain.solution.residuals_mm.iter().map(|r| 1e3 * r);
@@ -101,7 +101,7 @@ impl Searched {
             true => Vec::new(),
             false => omnibus(base, &plain),
         };
-        // Poses take every coupling of axes; where runs differ, they are compared (`crate::runs`).
+        // Poses absorb any coupling of axes; where runs differ, `crate::runs` compares them.
         let is_pose = |s: &Subject| s.other_axis.is_some() && s.component.is_some();
         let is_wanted = |s: &Subject| !is_pose(s) && is_tested(base.campaign, s);
         let all = of_catalogue(Level::Lengths, &base.scene, is_wanted);
@@ -127,7 +127,7 @@ impl Searched {
         })
     }
 
-    /// The same with the few more readings that the causes explain: these settle among their rivals, but nothing else is looked for.
+    /// The same with the few more readings that the causes explain: the causes settle only among their rivals.
     fn again(self, base: &Base<'_>) -> Result<Self, Error> {
         let plain = base.adjust(Vec::new(), None)?;
         let Search {
@@ -157,7 +157,7 @@ impl Searched {
         })
     }
 
-    /// What wanders beside the causes or instead of them, and their names.
+    /// Finds disturbances beside the causes or instead of them, and names the causes.
     fn look<'a>(self, base: &Base<'a>) -> Result<Looked<'a>, Error> {
         let Self { plain, before, .. } = self;
         let candidates = Candidates {

@@ -1,7 +1,7 @@
-//! A machine that shifts while one station is occupied: in the lengths a jump of that tripod the other way.
+//! A machine that shifts while one station is occupied: the lengths show an opposite jump of that tripod.
 //!
-//! Later stations stand where they stand against the machine as it is then. Both names are given wherever one is found, unless targets on
-//! the bed, which stay, tell them apart.
+//! Later stations are determined against the shifted machine. If one name is found, both are given, unless targets on
+//! the bed, which do not move, distinguish them.
 
 use trueaxis_effects::{Shape, Subject, effect};
 use trueaxis_selection::{DECISIVE, Fit, Hypothesis};
@@ -11,7 +11,7 @@ use crate::engine::{Found, Suspect};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 
-/// Adds to a shift of the machine the jump of a tripod at the same instant that explains nearly as much, if there is one.
+/// Adds to a shift of the machine the jump of a tripod at the same instant if it explains nearly as much.
 pub(crate) fn add_jumps(
     base: &Base<'_>,
     adjusted: &Adjusted,

@@ -1,8 +1,7 @@
 //! Two causes at one station with the parts of tripod and dead path exchanged.
 //!
-//! A tripod that jumps while the dead path drifts looks much as a dead path that jumps while the tripod
-//! drifts. To come from one to the other both names have to change at once, which an exchange of one cause at
-//! a time does not find.
+//! A tripod that jumps while the dead path drifts looks much like a dead path that jumps while the tripod drifts.
+//! Both names have to change at once, which exchanging one cause at a time does not find.
 
 use trueaxis_effects::effect;
 use trueaxis_selection::Hypothesis;
@@ -10,13 +9,13 @@ use trueaxis_selection::Hypothesis;
 use crate::engine::Suspect;
 use crate::lengths::base::Base;
 
-/// What moves the tripod, and what does the same to the dead path.
+/// Effects on the tripod, and the same effects on the dead path.
 const KIN: [[&str; 2]; 2] = [
     ["station_jump", "dead_path_jump"],
     ["station_drift", "dead_path_drift"],
 ];
 
-/// The suspects with the two of one station exchanged; none if there are no such two.
+/// The suspects with the two of one station exchanged; `None` if there are no such two.
 pub(super) fn swapped(base: &Base<'_>, suspects: &[Suspect]) -> Option<Vec<Suspect>> {
     let of_dead_path = |suspect: &Suspect| {
         let place = |kin: &[&str; 2]| kin.iter().position(|id| *id == id_of(suspect));
@@ -40,7 +39,7 @@ fn id_of(suspect: &Suspect) -> &'static str {
     suspect.hypothesis.effect.id
 }
 
-/// The kin of a suspect at the same instant, its parameters to be found.
+/// The kin of a suspect at the same instant, with its parameters.
 fn with_other_name(base: &Base<'_>, suspect: &Suspect) -> Option<Suspect> {
     let kin = KIN.iter().find(|kin| kin.contains(&id_of(suspect)))?;
     let other = kin.iter().find(|id| **id != id_of(suspect))?;

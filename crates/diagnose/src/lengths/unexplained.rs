@@ -43,7 +43,7 @@ pub(crate) fn unexplained_part(
     Unexplained { note, ..part }
 }
 
-/// A station whose residuals are so much larger than those of the others is worth its name.
+/// Ratio of a station's residuals to those of the others from which the station is named.
 const STANDS_OUT: f64 = 1.2;
 
 fn of_stations(base: &Base<'_>, current: &Adjusted) -> String {
@@ -66,18 +66,18 @@ fn of_stations(base: &Base<'_>, current: &Adjusted) -> String {
     }
 }
 
-/// Periods that are tried in each occupation, from as many to as many.
+/// Fewest and most periods to try in each occupation.
 const LEAST_PERIODS: u32 = 2;
 const MOST_PERIODS: u32 = 60;
-/// How near to a repeat, or half of one, a period is the plan's and not the disturbance's.
+/// Distance, in periods per repeat, within which a period belongs to the plan of repeats.
 const OF_THE_PLAN: f64 = 0.1;
-/// Steps between two whole numbers of periods.
+/// Grid points between two whole numbers of periods.
 const OVERSAMPLING: u32 = 4;
-/// Probability of a peak from noise alone below which a period is worth a word.
+/// Largest probability of a peak by noise alone for which a period is named.
 const CLEAR: f64 = 1e-4;
 
-/// The period in time that stands out of the residuals, s: the largest peak of the periodograms of all
-/// stations together (Schuster's, on whitened residuals), if noise has none like it.
+/// The period in time that stands out in the residuals, s: the largest peak of the periodograms of all stations
+/// together (Schuster's, of whitened residuals), if noise does not explain it.
 fn period_s(base: &Base<'_>, adjusted: &Adjusted) -> Option<f64> {
     let residuals = &adjusted.projection.residuals;
     let variance = adjusted.projection.squares() / adjusted.projection.degrees_of_freedom;
@@ -92,8 +92,8 @@ fn period_s(base: &Base<'_>, adjusted: &Adjusted) -> Option<f64> {
     if turn_s <= 0.0 {
         return None;
     }
-    // A trend has most of its power in the first periods of an occupation, and what changes from repeat to repeat
-    // in those of the repeats: neither says that anything is periodic.
+    // A trend has most of its power in the first periods of an occupation, and changes from repeat to repeat in those
+    // of the repeats: neither means that anything is periodic.
     let repeats = base.readings.iter().map(|r| r.repeat).max().unwrap_or(1);
     let of_the_plan = |k: u32| {
         let per_repeat = f64::from(k) / f64::from(OVERSAMPLING * repeats);

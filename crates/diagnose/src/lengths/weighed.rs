@@ -1,12 +1,12 @@
-//! Lengths of stations that scatter more than the others weigh less.
+//! Less weight for the lengths of stations that scatter more than the others.
 
 use trueaxis_multilateration::{Network, Solution, solve_from};
 use trueaxis_screening::{estimate_noise, factors_of_readings, station_factors};
 
 use crate::Error;
 
-/// Gives the readings of such stations their factors, and the solution with them; which stations they are. `declared` says whether
-/// the network's noise is more than a guess.
+/// Gives the readings of such stations their factors, and updates the solution; returns these stations. `declared`
+/// says whether the network's noise is more than a guess.
 pub(crate) fn weigh_stations(
     network: &mut Network,
     solution: &mut Solution,

@@ -1,8 +1,8 @@
-//! Poses and shapes of the targets, and how the coordinates change with them and with effects.
+//! Poses and shapes of the targets, and the changes of the coordinates by these and by effects.
 //!
-//! Where the model stands is found by best fits in turn: each pose to the points of its step with the shapes as they
-//! are, each shape to the mean of its points in the poses as they are (generalised Procrustes analysis; J. C. Gower,
-//! *Psychometrika* 40, 33, 1975). Everything beyond is linear about it: `p = t + R h`,
+//! The model is found by alternating best fits: each pose to the points of its step with fixed shapes, each shape to
+//! the mean of its points with fixed poses (generalised Procrustes analysis; J. C. Gower, *Psychometrika* 40, 33,
+//! 1975). Everything else is linear about it: `p = t + R h`,
 //!
 //! ```text
 //! dp = δ + ε × (p - pivot) + R dh
@@ -27,32 +27,32 @@ pub(crate) struct Base<'a> {
     pub(crate) campaign: &'a Campaign,
     pub(crate) scene: &'a Scene,
     pub(crate) readings: Readings,
-    /// From the datum (the best fit of all targets to their nominal places) to the instrument.
+    /// From the datum (the best fit of all targets to their nominal positions) to the instrument.
     instrument_from_datum: Isometry3<f64>,
-    /// Where each point is, in the datum, and the centroid of the targets measured with it.
+    /// Position of each point in the datum, and the centroid of the targets measured with it.
     places_mm: Vec<[Point3<f64>; 2]>,
-    /// From the instrument's frame to the directions of the rows: those in which the noise differs most.
+    /// From the instrument's frame to the directions of the rows, in which the noise differs most.
     rows_from_instrument: Matrix3<f64>,
     /// Measured less modelled coordinates, three for each point, along the directions of the rows, mm.
     pub(crate) misfit_mm: Vec<f64>,
-    /// What the pose of each point does to it: translation and rotation times an arm, mm per mm.
+    /// Changes of each point by its pose: translation, and rotation times an arm, mm per mm.
     pub(crate) by_pose: Vec<Matrix3x6<f64>>,
-    /// What its place in the shape does to it.
+    /// Changes of each point by its place in the shape.
     pub(crate) by_shape: Vec<Matrix3<f64>>,
-    /// What wanders, in the covariance of the points.
+    /// Disturbances in the covariance of the points.
     pub(crate) disturbances: Vec<Disturbance>,
 }
 
-/// A coordinate of a shape that moves by less rests, mm: what is left is of second order.
+/// A shape is settled when no coordinate moves by more than this, mm: what is left is of second order.
 const RESTS_MM: f64 = 1e-6;
 
 const MOST_FITS: usize = 100;
 
-/// Distinct targets that determine a pose.
+/// Number of distinct targets that determine a pose.
 const TARGETS_OF_A_POSE: usize = 3;
 
 impl<'a> Base<'a> {
-    /// Adjusts the points without those with the numbers `removed`.
+    /// Adjusts the points except those with the numbers `removed`.
     pub(crate) fn new(
         campaign: &'a Campaign,
         scene: &'a Scene,
@@ -70,14 +70,14 @@ impl<'a> Base<'a> {
         let measured_mm: Vec<Point3<f64>> = readings.all.iter().map(|r| r.measured_mm).collect();
         let instrument_from_datum = best_fit(&nominal_mm, &measured_mm);
 
-        // What the run's axis carries to the nominal place of each point, and its shape there.
+        // Motion of what the axis of the run carries to the nominal position of each point, and its shape there.
         let motion = |step: usize, carrier: Option<usize>| {
             machine.motion(&Ideal, carrier, &campaign.steps[step].positions)
         };
         let mut poses = vec![instrument_from_datum; readings.steps.len()];
         let mut shapes_mm = vec![Point3::origin(); readings.shapes.len()];
         for (reading, place_mm) in readings.all.iter().zip(&nominal_mm) {
-            // Several carriers are one body in their run: as the axis under test moves it.
+            // Targets on several carriers are one body in their run, which moves with the axis under test.
             let only = readings.shapes[reading.shape].0;
             let carrier = only.map_or(reading.carrier, |_| reading.axis);
             let nominal = motion(reading.step, carrier);
@@ -126,7 +126,7 @@ impl<'a> Base<'a> {
         base
     }
 
-    /// Turns the rows to the principal axes of what is left of them.
+    /// Rotates the rows to the principal axes of what is left of them.
     fn turn_rows(&mut self) {
         let unit = Noise {
             own_mm: [1.0; 3],
@@ -168,8 +168,8 @@ impl<'a> Base<'a> {
     pub(crate) fn at(&self, i: usize) -> Circumstances<'_> {
         let reading = &self.readings.all[i];
         let [point_mm, centroid_mm] = self.places_mm[i];
-        // As it stands, not as it should: a displacement out of the plane of three targets, which turns with them, is then part of the
-        // poses, and nothing of it is left for the errors of their angles to show.
+        // The actual rotation, not the nominal one: a displacement out of the plane of three targets, which rotates
+        // with them, is then part of the poses, and none of it can appear in place of the errors of their angles.
         let stage = self.reference_from_rows() * self.by_shape[i];
         Circumstances {
             machine: &self.scene.machine,
@@ -195,12 +195,12 @@ impl<'a> Base<'a> {
         }
     }
 
-    /// What a displacement does to measured coordinates: a frame that moves takes the points the other way.
+    /// Change of measured coordinates by a displacement: if the frame moves, the points move the other way.
     pub(crate) fn shown_mm(&self, by: &Displaced) -> Vector3<f64> {
         self.instrument_from_datum.rotation * (by.point_mm - by.station_mm)
     }
 
-    /// What one unit of each parameter of a hypothesis does to all coordinates, mm.
+    /// Changes of all coordinates by a unit of each parameter of a hypothesis, mm.
     pub(crate) fn columns_mm(&self, hypothesis: &Hypothesis, shape: f64) -> Vec<Vec<f64>> {
         let (effect, subject) = (hypothesis.effect, &hypothesis.subject);
         let count = effect.parameters(self.scene, subject).len();
@@ -215,7 +215,7 @@ impl<'a> Base<'a> {
         columns
     }
 
-    /// What effects do to the coordinates of the `i`-th point, in the instrument's frame, mm.
+    /// Change of the `i`-th point by effects, in the instrument's frame, mm.
     pub(crate) fn effect_mm(&self, i: usize, effects: &[ResolvedEffect]) -> Vector3<f64> {
         let at = self.at(i);
         self.shown_mm(&effects.iter().map(|effect| effect.displaced(&at)).sum())
@@ -233,7 +233,7 @@ pub(crate) fn of_pose(readings: &Readings) -> Vec<Vec<usize>> {
     of_pose
 }
 
-/// The pose that fits its points best; one that they do not determine keeps its rotation.
+/// The pose that fits its points best; if they do not determine it, it keeps its rotation.
 fn fitted(
     pose: Isometry3<f64>,
     own: &[usize],
@@ -254,7 +254,7 @@ fn fitted(
     Translation3::from(mean) * pose
 }
 
-/// Moves each shape to the mean of its points; the largest move, mm.
+/// Moves each shape to the mean of its points; returns the largest move, mm.
 fn fit_shapes(
     shapes_mm: &mut [Point3<f64>],
     readings: &Readings,
@@ -277,7 +277,7 @@ fn fit_shapes(
     largest_mm
 }
 
-/// About what a pose turns, and how far its points are from there, mm.
+/// The pivot of a pose, and the distance of its points from it, mm.
 struct Arm {
     pivot_mm: Point3<f64>,
     length_mm: f64,
@@ -310,7 +310,7 @@ fn by_pose(readings: &Readings, modelled: &[Point3<f64>], arms: &[Arm]) -> Vec<M
     readings.all.iter().zip(modelled).map(of_point).collect()
 }
 
-/// Each point in the datum, and the centroid of the targets at its step.
+/// Position of each point in the datum, and the centroid of the targets at its step.
 fn places_mm(
     readings: &Readings,
     modelled: &[Point3<f64>],

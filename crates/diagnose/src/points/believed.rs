@@ -1,4 +1,4 @@
-//! Which causes of the points are believed.
+//! The causes of the points that are named.
 
 use trueaxis_selection::{Fit, Hypothesis, Null};
 
@@ -13,7 +13,7 @@ use crate::points::model::Model;
 use crate::points::omnibus::{families, omnibus};
 use crate::points::screened::Screened;
 
-/// The causes that are believed, what wanders beside them, and what the model with both leaves and gains.
+/// The named causes, the disturbances beside them, and what the model with both leaves and gains.
 pub(super) struct Believed<'a> {
     pub(super) competed: Competed<Base<'a>>,
     pub(super) after: Vec<Omnibus>,
@@ -21,7 +21,7 @@ pub(super) struct Believed<'a> {
 }
 
 impl<'a> Believed<'a> {
-    /// No causes, and nothing tested.
+    /// No causes, and no tests.
     pub(super) fn nothing(base: Base<'a>, model: Model) -> Self {
         Self {
             competed: Competed {
@@ -34,7 +34,7 @@ impl<'a> Believed<'a> {
         }
     }
 
-    /// The causes of what `plain`, the model without anything, leaves, and what wanders.
+    /// The causes and disturbances in what `plain`, the model with neither, leaves.
     pub(super) fn search(
         screened: &Screened<'a>,
         plain: Model,
@@ -53,13 +53,13 @@ impl<'a> Believed<'a> {
             if believed.found().len() == count {
                 return Ok(believed);
             }
-            // What took the place of a cause may be something that wanders; the others are judged without it.
+            // A disturbance may have been taken for a cause; the others are judged again without that cause.
             model = settled(base, suspects(believed.found()), &candidates)?;
         }
     }
 
-    /// The causes of a model but those that predict unused points worse than nothing, or merely imitate what is left. Among many
-    /// gross errors, which imitate anything, they must predict better, and be most of the misfit.
+    /// The causes of a model except those that predict unused points worse than nothing, or only imitate what is
+    /// left. Among many gross errors, which imitate anything, causes must predict better and be most of the misfit.
     fn of(mut competed: Competed<Base<'a>>, are_many: bool) -> Result<Self, Error> {
         loop {
             let Competed {
@@ -80,7 +80,7 @@ impl<'a> Believed<'a> {
                 let fit = Fit::new(&model.bare, &columns);
                 is_imitation(&model.bare, &fit, hypothesis.is_of_time(), &left)
             };
-            // What was found beside an imitation goes with it.
+            // Causes found after an imitation are removed with it.
             let first = found.iter().position(is_one);
             found.truncate(first.unwrap_or(count));
             if found.len() == count {
@@ -114,7 +114,7 @@ impl<'a> Believed<'a> {
     }
 }
 
-/// Whether causes take more than half of what is more than noise.
+/// Whether causes take more than half of the squares beyond the noise.
 fn does_most(model: &Model) -> bool {
     let (bare, left) = (&model.bare, &model.projection);
     bare.squares() - left.squares() > 0.5 * (bare.squares() - left.degrees_of_freedom)

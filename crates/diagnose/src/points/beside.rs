@@ -1,4 +1,4 @@
-//! The points with what wanders in their covariance.
+//! The points with disturbances in their covariance.
 
 use trueaxis_effects::{Displaced, Subject};
 use trueaxis_kinematics::AxisKind;
@@ -45,7 +45,7 @@ impl Wanders for Base<'_> {
         all.into_iter().map(wanderer).collect()
     }
 
-    /// A frame that is only displaced is a machine displaced the other way.
+    /// A displacement of the frame without rotation is an opposite displacement of the machine.
     fn twin(&self, wanderer: Wanderer) -> Option<Wanderer> {
         let has_bed = self.readings.all.iter().any(|r| r.pose.is_none());
         (wanderer.who == Who::Machine && !has_bed).then_some(Wanderer {
@@ -126,7 +126,7 @@ impl Wanders for Base<'_> {
 }
 
 impl Base<'_> {
-    /// What a unit of each coefficient does to the coordinates, mm.
+    /// Changes of the coordinates by a unit of each coefficient, mm.
     pub(crate) fn columns_of_unit_mm(&self, wanderer: Wanderer) -> Vec<Vec<f64>> {
         let subject = wanderer.subject();
         wanderer.columns(self.scene, &self.here(), |i, coordinates| {

@@ -1,7 +1,7 @@
-//! Points that are far off, more than mistakes are: then none was left out, and least squares take them for noise.
+//! More points far off than mistakes explain: none of them was left out, and least squares takes them for noise.
 //!
-//! The lengths of the whitened residuals of the points have a median that wrong ones do not move; beside noise alone none is
-//! five times that. Of a stop only the one that is off most counts, since the others share its pose.
+//! Wrong points do not move the median length of the points' whitened residuals; by noise alone no residual is five
+//! times as long. Of a stop only the point that is farthest off counts, since the others share its pose.
 
 use trueaxis_effects::Level;
 use trueaxis_leastsquares::median;
@@ -12,11 +12,11 @@ use crate::points::base::Base;
 use crate::points::gross_errors::MOST;
 use crate::points::model::Model;
 
-/// Median lengths from which on a point is far off: eight standard deviations, of which the median of three coordinates is 1.54.
+/// Median lengths from which a point is far off: eight standard deviations; a median of three coordinates is 1.54.
 const FAR: f64 = 8.0 / 1.54;
 
-/// What is far off in what a model leaves, if it is more than mistakes are, or anything where gross errors stayed (`are_many`).
-/// `noise_um` is the standard deviation of a coordinate.
+/// The points far off in what a model leaves, if they are more than mistakes explain, or any if gross errors stayed
+/// (`are_many`). `noise_um` is the standard deviation of a coordinate.
 pub(crate) fn doubted(
     base: &Base<'_>,
     model: &Model,

@@ -9,7 +9,7 @@ use crate::fitted::{Fitted, Row};
 use crate::points::base::Base;
 use crate::points::model::Model;
 
-/// Of the coordinates of one target in the reference frame.
+/// The figure for the coordinates of one target in the reference frame.
 pub(crate) fn fitted(
     base: &Base<'_>,
     model: &Model,

@@ -1,15 +1,15 @@
-//! Points that contradict all others, as a wrong target or a slip of the pen does.
+//! Points that contradict all others, such as a wrong target or a slip of the pen.
 //!
-//! With the three columns `X` of a point alone in the model, the drop of the squares is tested against what the others
-//! leave (externally studentised; Cook and Weisberg 1982):
+//! With the three columns `X` of one point in the model, the drop of the squares is tested against what the other
+//! points leave (externally studentised; Cook and Weisberg 1982):
 //!
 //! ```text
 //! T = sᵀ G⁻¹ s      s = Xᵀ e      G = Xᵀ M X      F(rank, ν - rank)
 //! ```
 //!
-//! A stop whose points are off by the same, as where the machine had not arrived or somebody leant on it, is tested as one with three
-//! columns for all its points. What is more than a few, or several in a row of one target, is no accident but structure, and stays. Where
-//! two points of one step explain the contradiction nearly alike, nothing tells which of them is wrong, and both leave.
+//! A stop whose points are all off by the same (the machine had not arrived, or was leant on) is tested as one, with
+//! three columns for all its points. More than a few, or several consecutive ones of one target, are structure and
+//! stay. Where two of one step explain the contradiction equally, nothing shows which is wrong, and both leave.
 
 use nalgebra::Vector3;
 use trueaxis_campaign::Points;
@@ -21,20 +21,20 @@ use crate::points::base::Base;
 use crate::points::model::{Model, left_of};
 use crate::points::readings::Reading;
 
-/// Probability of leaving out anything of points that are in order.
+/// Probability of leaving out any point if all are right.
 const LEVEL: f64 = 1e-4;
 
-/// Part of the points that may be wrong, and at least one.
+/// Share of the points that may be wrong, and at least one.
 pub(crate) const MOST: f64 = 0.01;
 
-/// Points that stand out by less than this part of the largest wait: what they contradict may be that one.
+/// Points that stand out by less than this share of the largest wait: that one may be what they contradict.
 const AT_ONCE: f64 = 0.5;
 
-/// Of two points of one step that stand out by so nearly the same either may be wrong.
+/// Ratio of two points of one step from which either may be the wrong one.
 const ALIKE: f64 = 0.9;
 
-/// As many wrong points in a row of one target are no accidents; nor are so many stops, fewer than a jump has on its far side: a machine
-/// may be read too early at some in a row.
+/// So many consecutive wrong points of one target are no accidents; nor are so many stops, fewer than a jump has on
+/// its far side: a machine may be read too early several times in succession.
 const IN_A_ROW: usize = 3;
 const STOPS_IN_A_ROW: usize = 4;
 
@@ -50,7 +50,7 @@ pub(crate) struct Gross {
     is_alone: bool,
 }
 
-/// A point that leaves.
+/// A point that is left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Wrong {
     /// Its number among the points of the campaign.
@@ -60,7 +60,7 @@ pub(crate) struct Wrong {
 }
 
 impl Gross {
-    /// As the result file lists it.
+    /// Its entries in the result file.
     pub(crate) fn rejected(&self) -> impl Iterator<Item = Rejected> {
         let reason = match (self.points.len() > 1, self.is_alone) {
             (false, true) => "contradicts all other points",
@@ -83,7 +83,7 @@ impl Gross {
         })
     }
 
-    /// Whether it is the stop of another one.
+    /// Whether one is the stop of the other.
     fn holds(&self, other: &Self) -> bool {
         self.stop == other.stop && (self.points.len() > 1 || other.points.len() > 1)
     }
@@ -99,7 +99,7 @@ impl Wrong {
     }
 }
 
-/// The points that stand out of what a model leaves, at once: those that are left are to be adjusted again.
+/// The points that stand out in what a model leaves, at once; the rest must be adjusted again.
 pub(crate) fn stand_out(base: &Base<'_>, model: &Model) -> Vec<Gross> {
     let projection = &model.projection;
     let (squares, freedom) = (projection.squares(), projection.degrees_of_freedom);
@@ -109,7 +109,7 @@ pub(crate) fn stand_out(base: &Base<'_>, model: &Model) -> Vec<Gross> {
     for (stop_number, stop) in base.readings.stops.iter().enumerate() {
         let points = &base.readings.all[stop.clone()];
         let each = stop.clone().map(|i| i..i + 1);
-        // A stop of one point is that point.
+        // A stop of one point is already tested as that point.
         let whole = (points.len() > 1).then(|| stop.clone());
         for wrong in each.chain(whole) {
             let column = |k: usize| {
@@ -156,10 +156,10 @@ pub(crate) fn stand_out(base: &Base<'_>, model: &Model) -> Vec<Gross> {
     first_of_steps(found)
 }
 
-/// With fewer, the limit is beyond anything.
+/// Fewest degrees of freedom of the rest; with fewer, nothing exceeds the limit.
 const LEAST_DEGREES_OF_FREEDOM: f64 = 5.0;
 
-/// The largest of each step, if none is much larger, with those that are nearly as large.
+/// The largest of each step, unless it is much smaller than the largest of all, with those nearly as large.
 fn first_of_steps(mut found: Vec<Gross>) -> Vec<Gross> {
     found.sort_by(|a, b| b.statistic.total_cmp(&a.statistic));
     let largest = found.first().map_or(0.0, |first| first.statistic);
@@ -168,7 +168,7 @@ fn first_of_steps(mut found: Vec<Gross>) -> Vec<Gross> {
         if gross.statistic < AT_ONCE * largest {
             break;
         }
-        // A stop as a whole and a point of it leave no more together.
+        // A whole stop and a point of it are one alternative.
         if out.iter().any(|other| other.holds(&gross)) {
             continue;
         }

@@ -1,8 +1,8 @@
-//! The gain on sweeps that the model was not fitted to.
+//! The gain on sweeps not used for the fit.
 //!
-//! Whole sweeps are dealt to five folds. Those of a fold are given next to no weight, so that they move nothing; what
-//! they are off is their error of prediction, whitened as the others. Shapes of the causes are sought again on the rest.
-//! A point counts if its target was measured at this step in a sweep of the rest, too.
+//! Whole sweeps are assigned to five folds. Those of a fold get practically no weight, so that they change nothing;
+//! their misfits are errors of prediction, whitened like the others. Shapes of the causes are sought again in the
+//! rest. A point counts only if its target was measured at this step in a sweep of the rest, too.
 
 use std::collections::HashSet;
 
@@ -10,10 +10,10 @@ use crate::engine::{FOLDS, HeldOut, Sums, Suspect, Wanders, sought_again};
 use crate::points::base::Base;
 use crate::points::model::{Model, NO_WEIGHT};
 
-/// With fewer sweeps the rest says too little.
+/// Fewest sweeps; with fewer the rest says too little.
 const LEAST_SWEEPS: usize = 4;
 
-/// Predicts each fold without anything, and with the causes and what wanders beside them; `None` if nothing can be predicted.
+/// Predicts each fold without causes, and with the causes and disturbances; `None` if nothing can be predicted.
 pub(crate) fn held_out(base: &Base<'_>, model: &Model, causes: &[Suspect]) -> Option<HeldOut> {
     let all = &base.readings.all;
     let sweeps = all.iter().map(|r| r.sweep).max()? + 1;

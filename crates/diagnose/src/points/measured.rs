@@ -1,4 +1,4 @@
-//! What the points are to the search for causes.
+//! The points as the search for causes needs them.
 
 use trueaxis_effects::{Parameter, Scene, Shape};
 use trueaxis_selection::{ALIKE, Hypothesis, Projection, Score, VisitTimes, is_rival};
@@ -8,22 +8,22 @@ use crate::engine::{Culprit, Measured, Suspect, in_equal_ratios};
 use crate::points::base::Base;
 use crate::points::model::Model;
 
-/// Time constants that are tried, from a hundredth of the campaign, and no less than three stops, to three times its
-/// length in equal ratios.
+/// Time constants to try, in equal ratios from a hundredth of the campaign, but at least three stops, to three times
+/// its length.
 const TIME_CONSTANTS: i32 = 20;
 const SHORTEST: f64 = 0.01;
 const LONGEST: f64 = 3.0;
 const LEAST_STOPS: f64 = 3.0;
 
-/// Plausible displacements, at once and by and by: those of a frame.
+/// Plausible sudden and gradual displacements: those of a frame.
 const FARTHEST_UM: [f64; 2] = [-5e3, 5e3];
 const CREPT_UM: [f64; 2] = [-1e3, 1e3];
 
 impl Measured for Base<'_> {
     type Model = Model;
 
-    /// With that of the omnibus tests, and since [`Null`](trueaxis_selection::Null) takes scans over instants for rarer
-    /// than they are by a factor of about two, one of 150 clean campaigns alarms.
+    /// With the level of the omnibus tests, and since [`Null`](trueaxis_selection::Null) underestimates scans over
+    /// instants by a factor of about two, one of 150 clean campaigns raises an alarm.
     const CAUSE_LEVEL: f64 = 0.002;
     const MOST_CAUSES: usize = 4;
     const LOOKS_TWICE: bool = false;
@@ -87,8 +87,8 @@ impl Measured for Base<'_> {
         Ok(model.fitted(self, suspects))
     }
 
-    /// A displacement without a range of its own is no larger than that of a frame that somebody bumped: what is farther off is another
-    /// point, and all is linear here.
+    /// A displacement without a range of its own is at most that of a frame that somebody bumped: farther off it is
+    /// another point, and everything here is linear.
     fn plausible(&self, hypothesis: &Hypothesis) -> Vec<Option<[f64; 2]>> {
         let of = hypothesis
             .effect
@@ -101,7 +101,7 @@ impl Measured for Base<'_> {
         of.iter().map(range).collect()
     }
 
-    /// The machine as a whole and the frame of the instrument are one course in time.
+    /// The machine as a whole and the frame of the instrument have the same courses in time.
     fn culprit(&self, suspect: &Suspect) -> Culprit {
         let Hypothesis {
             effect, subject, ..
@@ -114,7 +114,7 @@ impl Measured for Base<'_> {
         }
     }
 
-    /// A frame that only goes along is a machine that goes the other way, whatever else a frame can do.
+    /// A frame that is only displaced is a machine displaced the other way, whatever else a frame can do.
     fn is_alike(
         (leader, of_leader): (&Hypothesis, &Score),
         (other, of_other): (&Hypothesis, &Score),

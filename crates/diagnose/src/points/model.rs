@@ -1,7 +1,7 @@
-//! The points less what poses, shapes and causes absorb.
+//! The points without what poses, shapes and causes absorb.
 //!
-//! The whitened system has blocks of six columns for each pose, whose orthonormal bases are `O`, and the shapes of
-//! all stages, whose basis `T` is orthogonal to them; what the data do not determine has no part in either.
+//! The whitened system has a block of six columns for each pose, with the orthonormal basis `O`, and columns for the
+//! shapes of all stages, with the basis `T` orthogonal to all `O`; what the data do not determine is in neither.
 
 use std::sync::Arc;
 
@@ -16,21 +16,21 @@ use crate::points::readings::Reading;
 /// An adjusted model.
 pub(crate) struct Model {
     pub(crate) noise: Noise,
-    /// Of each stop: 1, or next to nothing where it is held out.
+    /// Weight of each stop: 1, or practically none if it is held out.
     weights: Vec<f64>,
-    /// The base model, what wanders in its covariance.
+    /// The base model, with disturbances in its covariance.
     pub(crate) bare: Projection,
     /// The base model with the causes.
     pub(crate) projection: Projection,
-    /// The causes with their parameters, all together.
+    /// The causes with their parameters, fitted together.
     pub(crate) suspects: Vec<Suspect>,
 }
 
-/// Factor on the coordinates of stops that are to be predicted: their squares then weigh nothing.
+/// Factor on the coordinates of stops that are to be predicted: their squares then have no weight.
 pub(crate) const NO_WEIGHT: f64 = 1e-4;
 
 impl Model {
-    /// With columns of causes (mm) and given noise; stops that are `held` have next to no weight.
+    /// The model with columns of causes (mm) and given noise; stops that are `held` have practically no weight.
     pub(crate) fn with(
         base: &Base<'_>,
         causes_mm: &[Vec<f64>],
@@ -60,7 +60,7 @@ impl Model {
         model
     }
 
-    /// Columns as those of the model.
+    /// Columns whitened like those of the model.
     pub(crate) fn whitened(&self, base: &Base<'_>, columns_mm: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let mut columns = columns_mm.to_vec();
         columns
@@ -69,12 +69,12 @@ impl Model {
         columns
     }
 
-    /// One column.
+    /// Whitens one column.
     pub(crate) fn whiten(&self, base: &Base<'_>, column: &mut [f64]) {
         self.noise.whiten(&base.readings, column, &self.weights);
     }
 
-    /// The same with another projection and no causes.
+    /// The same with another projection and without causes.
     pub(crate) fn with_projection(&self, projection: Projection) -> Self {
         Self {
             noise: self.noise,
@@ -85,7 +85,7 @@ impl Model {
         }
     }
 
-    /// The same with the parameters of its causes, all together.
+    /// The same with the parameters of its causes, fitted together.
     pub(crate) fn fitted(self, base: &Base<'_>, suspects: Vec<Suspect>) -> Self {
         let fit = Fit::new(
             &self.bare,
@@ -105,13 +105,13 @@ impl Model {
         Self { suspects, ..self }
     }
 
-    /// Rms for one degree of freedom of what a model leaves, in units of the noise.
+    /// Rms of what a model leaves, for one degree of freedom, in units of the noise.
     pub(crate) fn rms(projection: &Projection) -> f64 {
         (projection.squares() / projection.degrees_of_freedom.max(1.0)).sqrt()
     }
 }
 
-/// `Xᵀ M X` of columns that are nothing but in a few rows of one pose from `first` on; rows one after the other.
+/// `Xᵀ M X` of columns that are zero except in a few rows of one pose from `first` on; rows one after the other.
 pub(crate) fn left_of(projection: &Projection, first: usize, columns: &[Vec<f64>]) -> Vec<f64> {
     let through = |column: &Vec<f64>| {
         let mut sums = vec![0.0; projection.own_width + projection.shared_width];
@@ -134,10 +134,10 @@ pub(crate) fn left_of(projection: &Projection, first: usize, columns: &[Vec<f64>
         .collect()
 }
 
-/// Eigenvalues of a normal matrix of columns of one length below this are of what the data do not determine.
+/// Eigenvalue of a normal matrix of columns of unit length below which the data do not determine a combination.
 const DETERMINED: f64 = 1e-10;
 
-/// Poses and shapes projected out.
+/// Projects out poses and shapes.
 fn eliminated(base: &Base<'_>, noise: Noise, weights: &[f64]) -> Projection {
     let readings = &base.readings;
     let rows = 3 * readings.all.len();
@@ -165,10 +165,10 @@ fn eliminated(base: &Base<'_>, noise: Noise, weights: &[f64]) -> Projection {
     let length = |column: &Vec<f64>| column.iter().map(|x| x * x).sum::<f64>().sqrt();
     let lengths: Vec<f64> = shapes.iter().map(length).collect();
 
-    // O, and everything else without it.
+    // O, and everything else orthogonal to it.
     let mut basis = vec![0.0; 6 * rows];
     let mut degrees_of_freedom = rows as f64;
-    // What stands on the bed has no pose: a group of its own without columns.
+    // Targets on the bed have no pose: they are one more group, without columns.
     let groups = readings.steps.len() + 1;
     for points in &of_pose(readings) {
         let of: Vec<usize> = points.iter().flat_map(|i| 3 * i..3 * i + 3).collect();
@@ -218,10 +218,10 @@ fn eliminated(base: &Base<'_>, noise: Noise, weights: &[f64]) -> Projection {
     }
 }
 
-/// Orthonormal columns that span those of a matrix, without what is nothing to rounding.
+/// Orthonormal columns that span those of a matrix, without those that are rounding.
 ///
-/// Columns are divided by their `lengths` first, those that they had before anything was projected out: whitening makes those of what a stop has in common small where the
-/// repeatability is much larger than the noise of the instrument.
+/// Columns are first divided by their `lengths` before any projection: where the repeatability is much larger than
+/// the noise of the instrument, whitening makes columns common to a stop small.
 fn orthonormal(mut columns: DMatrix<f64>, lengths: &[f64]) -> DMatrix<f64> {
     for (mut column, &length) in columns.column_iter_mut().zip(lengths) {
         if length > 0.0 {

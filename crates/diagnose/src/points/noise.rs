@@ -1,7 +1,7 @@
 //! The noise of the points and their whitening, stop by stop.
 //!
 //! With `w` the declared standard deviations of the points of one stop in relative units, the coordinates along each
-//! direction have the covariance `C = σ² diag(w²) + σ_m² 1 1ᵀ`; a part of rank one, so that `C^-½` takes a few
+//! direction have the covariance `C = σ² diag(w²) + σ_m² 1 1ᵀ`; its part of rank one lets `C^-½` take only a few
 //! operations for each point. The three directions are those of [`Base`](crate::points::base::Base): an instrument
 //! that measures angles is worse across its beam than along it.
 
@@ -10,7 +10,7 @@ use crate::points::readings::{Reading, Readings};
 /// The noise of the coordinates along each direction, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Noise {
-    /// Standard deviation where 1 µm is declared, or nothing.
+    /// Standard deviation where 1 µm, or nothing, is declared.
     pub(crate) own_mm: [f64; 3],
     /// Standard deviation of the machine's repeatability.
     pub(crate) return_mm: [f64; 3],
@@ -32,7 +32,7 @@ impl Noise {
             let unit = |k: usize| points[k].weight * self.own_mm[direction];
             let squares = (0..points.len()).map(|k| (return_mm / unit(k)).powi(2));
             let squares: f64 = squares.sum();
-            // Of what the points have in common so much goes.
+            // The share that is taken from the common part of the points.
             let goes = match squares > 0.0 {
                 true => (1.0 - 1.0 / (1.0 + squares).sqrt()) / squares,
                 false => 0.0,
@@ -49,7 +49,7 @@ impl Noise {
         }
     }
 
-    /// Takes the whitening of coordinates of full weight back, `C^½`: mm.
+    /// Undoes the whitening of coordinates of full weight, by `C^½`: mm.
     pub(crate) fn colour(&self, readings: &Readings, column: &mut [f64]) {
         for stop in &readings.stops {
             let points = &readings.all[stop.clone()];
@@ -81,8 +81,8 @@ impl Noise {
         }
     }
 
-    /// The largest part by which a variance differs from what it was; one that is none now does not count. What a bound
-    /// holds has not changed, whatever the data want.
+    /// The largest relative change of a variance; one that is now zero does not count. A variance held by a bound has
+    /// not changed, whatever the data suggest.
     pub(crate) fn change_since(&self, before: &Self) -> f64 {
         let now = self.own_mm.iter().chain(&self.return_mm);
         let pairs = now.zip(before.own_mm.iter().chain(&before.return_mm));
@@ -114,7 +114,7 @@ impl Noise {
 mod tests {
     use super::*;
 
-    /// A direction without noise stays at its bound for good; only what moves keeps an iteration going.
+    /// A direction without noise stays at its bound; only real changes continue an iteration.
     #[test]
     fn what_a_bound_holds_does_not_change() {
         let before = Noise {

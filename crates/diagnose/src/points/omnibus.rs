@@ -1,4 +1,4 @@
-//! What the points are tested to vary with ([`crate::engine`]).
+//! The quantities with which the points are tested to vary ([`crate::engine`]).
 //!
 //! | varies with | columns |
 //! | --- | --- |
@@ -20,7 +20,7 @@ const OF_TARGET: u32 = 4;
 const OF_POSITION: u32 = 4;
 const OF_DIRECTION: u32 = 2;
 
-/// All families, whitened as the points of a model.
+/// All families, whitened like the points of a model.
 pub(crate) fn families(base: &Base<'_>, model: &Model) -> Vec<Family> {
     let (all, targets) = (&base.readings.all, base.scene.targets.len());
     let sum: Vector3<f64> = all.iter().map(|r| r.measured_mm.coords).sum();
@@ -86,7 +86,7 @@ pub(crate) fn range(base: &Base<'_>, axis: usize) -> [f64; 2] {
     extremes(own.map(|r| base.campaign.steps[r.step].positions[axis]))
 }
 
-/// Where the axis of each point stands in that range, 0 to 1.
+/// Position of the axis of each point in that range, 0 to 1.
 pub(crate) fn travelled(base: &Base<'_>) -> Vec<f64> {
     let axes = 0..base.scene.machine.axes().len();
     let ranges: Vec<[f64; 2]> = axes.map(|axis| range(base, axis)).collect();

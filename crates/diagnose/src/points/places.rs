@@ -1,4 +1,4 @@
-//! Where the misfit of the points lives.
+//! The misfit of the points by groups of readings.
 
 use crate::Place;
 use crate::engine::{places as places_by, side};
@@ -6,7 +6,7 @@ use crate::points::base::Base;
 use crate::points::model::Model;
 use crate::points::readings::Reading;
 
-/// By target, axis, side and repeat.
+/// The misfit by target, axis, side and repeat.
 pub(crate) fn places(base: &Base<'_>, before: &Model, after: &Model, noise_um: f64) -> Vec<Place> {
     let scene = base.scene;
     let rms_um = |rows: &[usize]| {
@@ -14,7 +14,7 @@ pub(crate) fn places(base: &Base<'_>, before: &Model, after: &Model, noise_um: f
             let e = &model.projection.residuals;
             let own = rows.iter().flat_map(|i| &e[3 * i..3 * i + 3]);
             let squares: f64 = own.map(|e| e * e).sum();
-            // Their share of the degrees of freedom.
+            // The share of these rows in the degrees of freedom.
             let share = model.projection.degrees_of_freedom / base.misfit_mm.len() as f64;
             noise_um * (squares / (3.0 * rows.len() as f64 * share)).sqrt()
         })

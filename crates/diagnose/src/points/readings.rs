@@ -12,7 +12,7 @@ use crate::extremes::extremes;
 /// A measured point.
 #[derive(Debug, Clone)]
 pub(crate) struct Reading {
-    /// Its number among the points of the campaign.
+    /// Its index among the points of the campaign.
     pub(crate) number: usize,
     /// Its line in the table.
     pub(crate) line: usize,
@@ -21,7 +21,7 @@ pub(crate) struct Reading {
     /// Progress of time over the campaign, 0 to 1.
     pub(crate) progress: f64,
     pub(crate) step: usize,
-    /// The axis of its run; none of a target on the bed.
+    /// The axis of its run; `None` for a target on the bed.
     pub(crate) axis: Option<usize>,
     /// Side of approach, +1 or -1.
     pub(crate) side: f64,
@@ -31,15 +31,15 @@ pub(crate) struct Reading {
     /// Speed of the axis if the machine may be moving, mm/s or rad/s.
     pub(crate) speed_per_s: f64,
     pub(crate) target: usize,
-    /// The outermost axis that moves it; none on the bed.
+    /// The outermost axis that moves it; `None` on the bed.
     pub(crate) carrier: Option<usize>,
-    /// Which pose it belongs to; none on the bed.
+    /// Index of its pose; `None` on the bed.
     pub(crate) pose: Option<usize>,
-    /// Its place in the shapes of all stages.
+    /// Index in the shapes of all stages.
     pub(crate) shape: usize,
     /// Standard deviation of a coordinate as declared, relative to 1 µm.
     pub(crate) weight: f64,
-    /// Where it was measured, in the instrument's frame, mm.
+    /// Measured position, in the instrument's frame, mm.
     pub(crate) measured_mm: Point3<f64>,
 }
 
@@ -51,12 +51,12 @@ pub(crate) struct Readings {
     pub(crate) stops: Vec<Range<usize>>,
     /// The step of each pose.
     pub(crate) steps: Vec<usize>,
-    /// For each place in the shapes: its target, and the run if that target is rigid with others in this run only.
+    /// For each place in the shapes its target, and the run if that target is rigid with others only in this run.
     pub(crate) shapes: Vec<(Option<usize>, usize)>,
 }
 
 impl Readings {
-    /// Those of a campaign without the points with the numbers `removed`.
+    /// The readings of a campaign except the points with the numbers `removed`.
     ///
     /// Targets that the axis of a run does not move are left out of this run, as in the calibration.
     pub(crate) fn new(campaign: &Campaign, points: &Points, removed: &[usize]) -> Self {
@@ -132,7 +132,7 @@ impl Readings {
     }
 }
 
-/// Whether the axis of a run moves a target; on the bed those targets that nothing moves.
+/// Whether the axis of a run moves a target; without an axis, whether the target is on the bed.
 fn is_moved(campaign: &Campaign, axis: Option<usize>, target: usize) -> bool {
     let carrier = campaign.targets[target].carrier;
     match axis {
@@ -141,7 +141,7 @@ fn is_moved(campaign: &Campaign, axis: Option<usize>, target: usize) -> bool {
     }
 }
 
-/// For each run whether the targets that it moves sit on several carriers: they are one rigid body in this run only.
+/// For each run whether the targets that it moves are on several carriers: they are one rigid body only in this run.
 fn on_several_carriers(campaign: &Campaign, points: &Points) -> Vec<bool> {
     let mut carriers: Vec<Vec<Option<usize>>> = vec![Vec::new(); campaign.runs.len()];
     for stop in &points.stops {
@@ -159,7 +159,7 @@ fn on_several_carriers(campaign: &Campaign, points: &Points) -> Vec<bool> {
     carriers.iter().map(|own| own.len() > 1).collect()
 }
 
-/// Speed of an axis in a sweep with sign, if the machine may be moving there: all points of a stop at one time, and
+/// Signed speed of an axis in a sweep, if the machine may be moving there: all points of a stop at one time, and
 /// positions that grow in proportion to time. Otherwise 0.
 fn speed_per_s(campaign: &Campaign, points: &Points, sweep: &[Stop], axis: usize) -> f64 {
     let time_s = |stop: &Stop| points.readings[stop.readings.start].time_s;

@@ -22,14 +22,14 @@ use crate::said::{Entry, Said};
 use crate::shares::Part;
 use crate::{Error, LevelReport, Misfit, Shares};
 
-/// Degrees of freedom below which nothing can be said.
+/// Fewest degrees of freedom for a judgement.
 const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
 
-/// No instrument resolves less, µm: what is left of points that were made without noise is rounding.
+/// Best resolution of an instrument, µm: what is left of points made without noise is rounding.
 const RESOLUTION_UM: f64 = 1e-3;
 
-/// Finds what the points contradict in the rigid, quasi-static model, and why; with the campaign without gross errors
-/// and without what the causes do, if there is either.
+/// Finds what the points contradict in the rigid, quasi-static model, and why; also returns the campaign without
+/// gross errors and effects of causes, if there are any.
 pub(crate) fn diagnose_points(
     campaign: &Campaign,
     points: &Points,
@@ -48,7 +48,7 @@ pub(crate) fn diagnose_points(
     let all = of_catalogue(Level::Points, scene, |s| is_tested(campaign, s));
     let mut believed = Believed::search(&screened, plain, &all)?;
     if !believed.found().is_empty() {
-        // What stood out of everything may have been a part of a cause, or have hidden beneath it.
+        // A point that stood out may have been part of a cause, or hidden by one.
         let again = Screened::beside_any(campaign, points, scene, suspects(believed.found()));
         if again.numbers() != screened.numbers() {
             let plain = Model::estimated(&again.base, &[]);
@@ -77,7 +77,7 @@ fn not_judged(base: &Base<'_>, freedom: f64) -> Said {
     }
 }
 
-/// All of it, of a model with the causes.
+/// The report of a model with the causes.
 fn said(
     screened: &Screened<'_>,
     points: &Points,
@@ -91,14 +91,14 @@ fn said(
     } = believed;
     let (base, wandering) = (&competed.base, competed.wandering);
     let (found, model) = (competed.search.found, competed.search.adjusted);
-    // Both in the noise that is left at the end.
+    // Both models in the final noise.
     let sharp = Model::with(&base.beside(Vec::new()), &[], model.noise, None);
     let noise_um = model.noise.mean_um(&base.readings);
     let (before_um, after_um) = (
         noise_um * Model::rms(&sharp.projection),
         noise_um * Model::rms(&model.projection),
     );
-    // What is only rounding is not tested.
+    // Rounding is not tested.
     let before = match after.is_empty() {
         true => Vec::new(),
         false => omnibus(&sharp, &families(base, &sharp)),
@@ -162,7 +162,7 @@ fn said(
     Ok((said, corrected))
 }
 
-/// Rms of what a cause does to the coordinates, µm.
+/// Rms of the effect of a cause on the coordinates, µm.
 fn rms_of_effect_um(base: &Base<'_>, suspect: &Suspect) -> f64 {
     let effect = [suspect.resolved()];
     let moved_mm = (0..base.readings.all.len()).map(|i| base.effect_mm(i, &effect));
@@ -199,7 +199,7 @@ fn notices(screened: &Screened<'_>) -> Vec<String> {
     notices
 }
 
-/// The campaign without gross errors and without what the causes, and what wanders (rows, mm), do to the coordinates.
+/// The campaign without gross errors and without the effects of causes and disturbances (`wandered`: rows, mm).
 fn corrected(
     screened: &Screened<'_>,
     points: &Points,

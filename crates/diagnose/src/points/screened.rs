@@ -1,4 +1,4 @@
-//! Points without gross errors, beside causes whose instants may lie on either side of one.
+//! Points without gross errors, beside causes whose instants may lie on either side of a gross error.
 
 use nalgebra::Vector3;
 use trueaxis_campaign::{Campaign, Points};
@@ -13,12 +13,12 @@ use crate::points::model::Model;
 pub(super) struct Screened<'a> {
     pub(super) base: Base<'a>,
     pub(super) gross: Vec<Gross>,
-    /// Whether there are too many, or several in a row: then none is left out.
+    /// Whether there are too many, or several consecutive ones: then none is left out.
     pub(super) are_many: bool,
 }
 
 impl<'a> Screened<'a> {
-    /// Beside causes.
+    /// Screens points beside causes.
     pub(super) fn beside(
         campaign: &'a Campaign,
         points: &Points,
@@ -50,8 +50,8 @@ impl<'a> Screened<'a> {
         }
     }
 
-    /// Beside causes as they are, or with an instant on the other side of a point that is left out next to it: an instant that was
-    /// found without that point is uncertain just there.
+    /// Screens beside causes as they are, or with an instant on the other side of an adjacent point that is left out:
+    /// an instant found without that point is uncertain there.
     pub(super) fn beside_any(
         campaign: &'a Campaign,
         points: &Points,
@@ -85,7 +85,7 @@ impl<'a> Screened<'a> {
     }
 }
 
-/// The points without those of these numbers; a stop without any is none.
+/// The points except those with these numbers; a stop without points disappears.
 pub(super) fn without(points: &Points, removed: &[usize]) -> Points {
     let mut kept = Points::default();
     for stop in &points.stops {
@@ -105,7 +105,7 @@ pub(super) fn without(points: &Points, removed: &[usize]) -> Points {
     kept
 }
 
-/// The points that leave, in order.
+/// The numbers of the points that are left out, ascending.
 fn numbers(gross: &[Gross]) -> Vec<usize> {
     let points = gross.iter().flat_map(|g| &g.points);
     let mut numbers: Vec<usize> = points.map(|point| point.number).collect();
@@ -113,7 +113,7 @@ fn numbers(gross: &[Gross]) -> Vec<usize> {
     numbers
 }
 
-/// The instant of a cause on the other side of a point that is left out, s, if of the points that show the effect none that is kept is
+/// The instant of a cause on the other side of a point that is left out, s, if no kept point that shows the effect is
 /// between the two.
 fn beyond(all: &Base<'_>, cause: &Suspect, number: usize, left_out: &[usize]) -> Option<f64> {
     let from_the_beginning = [ResolvedEffect {
@@ -135,7 +135,7 @@ fn beyond(all: &Base<'_>, cause: &Suspect, number: usize, left_out: &[usize]) ->
     let mut kept = readings.iter().enumerate();
     let is_parted =
         kept.any(|(i, r)| is_between(r.time_s) && !left_out.contains(&r.number) && shows(i));
-    // At its very time a point is before it.
+    // A point at the very instant is before it.
     let beyond_s = match instant_s < time_s {
         true => time_s,
         false => time_s.next_down(),

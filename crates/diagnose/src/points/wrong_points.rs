@@ -1,4 +1,4 @@
-//! Points that a calibration is better without: it does not look at one point against the others itself.
+//! Points that a calibration should leave out: it does not itself compare one point with the others.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,11 +9,11 @@ use crate::Rejected;
 use crate::points::gross_errors::Gross;
 use crate::points::screened::{Screened, without};
 
-/// A campaign without the points that contradict all others, and what these are; `None` if there are none, or more than accidents.
+/// A campaign without the points that contradict all others, and these; `None` without any, or with too many.
 ///
-/// They are those that [`crate::diagnose`] leaves out where it finds no cause. Of points or stops that contradict each other, and nothing
-/// tells which is wrong, all leave. What leaves of a step stays where its run would have fewer than three targets at all of its steps
-/// without it.
+/// They are the points that [`crate::diagnose`] leaves out if it finds no cause. Where points or stops contradict
+/// each other and nothing shows which is wrong, all of them leave. Points of a step stay if the run would otherwise
+/// have fewer than three targets at all of its steps.
 pub fn without_wrong_points(campaign: &Campaign) -> Option<(Campaign, Vec<Rejected>)> {
     let points = campaign.points.as_ref()?;
     let at_one = at_one_temperature(campaign);
@@ -71,5 +71,5 @@ fn has_poses(campaign: &Campaign, points: &Points, removed: &[usize]) -> bool {
     })
 }
 
-/// Run, step and whether it was approached from below.
+/// Run, step and whether the step was approached from below.
 type Place = (Option<usize>, usize, bool);

@@ -1,4 +1,4 @@
-//! Runs of measured points that contradict each other in the calibration: something is wrong, and no cause is sought.
+//! Runs of measured points that contradict each other in the calibration: something is wrong, but no cause is sought.
 
 use trueaxis_calibrate::Calibration;
 use trueaxis_effects::Level;
@@ -7,11 +7,11 @@ use trueaxis_kinematics::MICROMETRE;
 use crate::said::Entry;
 use crate::{LevelReport, Misfit, OmnibusTest, Shares, Unexplained};
 
-/// What one test of the calibration says.
+/// The result of one test of the calibration.
 struct Contradiction {
     test: OmnibusTest,
     chi_squared: f64,
-    /// By how much the runs differ.
+    /// Size of the difference of the runs.
     differs_mm: f64,
 }
 
@@ -24,7 +24,7 @@ fn test(said: String, columns: usize, p_value: f64) -> OmnibusTest {
     }
 }
 
-/// What the calibration rejects: runs of one axis, and those that see the stage turned.
+/// What the calibration rejects: contradictory runs of one axis, and runs in which the stage is turned.
 pub(crate) fn contradicting_runs(calibration: &Calibration) -> Option<Entry> {
     let of_axes = calibration.axes.iter().filter_map(|axis| {
         let own = axis.runs.as_ref()?;

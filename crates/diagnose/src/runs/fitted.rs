@@ -9,8 +9,8 @@ use trueaxis_selection::Projection;
 use crate::engine::Judged;
 use crate::fitted::{Fitted, Row};
 
-/// Of one run: the three displacements or the three rotations of its poses, whichever vary more along the axis, less
-/// what the runs have in common and what each has for itself.
+/// The figure for one run: the three displacements or the three rotations of its poses, whichever vary more along the
+/// axis, without what the runs share and what each may have alone.
 pub(super) fn fitted(
     scene: &Scene,
     comparisons: &[RunComparison],
@@ -36,8 +36,8 @@ pub(super) fn fitted(
     Some(fitted.of_angles(shown.is_angular))
 }
 
-/// Squares of the effect about the mean of each coordinate, in units of the noise: what is the same all along an axis is
-/// no course.
+/// Squares of the effect about the mean of each coordinate, in units of the noise: a constant along an axis is no
+/// course.
 fn variation(rows: &[Row]) -> f64 {
     let of_coordinate = |group: usize| {
         let values = || {
@@ -54,14 +54,14 @@ fn variation(rows: &[Row]) -> f64 {
 /// The displacements or the rotations of the poses of a run.
 struct Shown<'a> {
     comparison: &'a RunComparison,
-    /// Where its observations start among those of all comparisons.
+    /// Start of its observations among those of all comparisons.
     first: usize,
     run: usize,
     is_angular: bool,
 }
 
 impl Shown<'_> {
-    /// Three for each pose, µm or arcsec.
+    /// Three rows for each pose, µm or arcsec.
     fn rows(&self, judged: &Judged) -> Vec<Row> {
         let (model, fit) = (&judged.beside.model, &judged.fit);
         let (offset, unit) = match self.is_angular {
@@ -88,7 +88,7 @@ impl Shown<'_> {
         rows.map(row).collect()
     }
 
-    /// `EZY of run y2 (µm)`.
+    /// Name such as `EZY of run y2 (µm)`.
     fn name(&self, group: usize, scene: &Scene) -> String {
         let component = Component::ALL[group + if self.is_angular { 3 } else { 0 }];
         let axis = scene.axis_name(self.comparison.axis);
@@ -100,7 +100,7 @@ impl Shown<'_> {
     }
 }
 
-/// Length of what a model leaves of a column: noise of variance one gives as much.
+/// Length of what a model leaves of a column: the standard deviation for noise of unit variance.
 fn left(model: &Projection, column: Vec<f64>) -> f64 {
     let mut rest = column.clone();
     model.project(&mut rest);

@@ -1,4 +1,4 @@
-//! What may make runs differ, and what a unit of it does to their comparison.
+//! Possible causes of a difference between runs, and their effects on the comparison.
 
 use trueaxis_calibrate::{Replay, RunComparison};
 use trueaxis_effects::{CROSS_COUPLING, Effect, Level, Scene};
@@ -9,8 +9,8 @@ use trueaxis_selection::{Hypothesis, gram_of};
 use crate::NotObservable;
 use crate::engine::{Candidate, Listed, in_words, of_catalogue, plausible, unseen};
 
-/// Lengths are changed by as much to find what it does to the runs, mm: far above rounding, far below what would
-/// leave the linear range.
+/// Change of lengths from which the response of the runs is found, mm: far above rounding, and well within the linear
+/// range.
 const STEP_MM: f64 = 10.0 * MICROMETRE;
 
 /// All hypotheses.
@@ -40,7 +40,7 @@ pub(super) fn candidates(
         )
     };
     let all = of_catalogue(Level::Lengths, scene, |_| true).into_iter();
-    // What gives one axis another curve in another run: what else changes with time contradicts the lengths themselves.
+    // Effects that change the curve of an axis between runs: other changes with time contradict the lengths.
     let differs = |by: &Effect| by.grows_axis() || by == CROSS_COUPLING;
     let all = all.filter(|hypothesis| differs(hypothesis.effect));
     let candidate = |hypothesis: Hypothesis| {

@@ -1,15 +1,15 @@
-//! Which hypotheses explain why runs differ.
+//! The hypotheses that explain why runs differ.
 
 use trueaxis_selection::{DECISIVE, Projection, Score, cosine, is_rival};
 
 use crate::Rival;
 use crate::engine::{Chosen, Judged, Listed};
 
-/// Causes at most: more are no longer an explanation.
+/// Most causes; more would not be an explanation.
 const MOST_CAUSES: usize = 3;
 
 /// The hypothesis with the most evidence if it is significant at `level` (family-wise), and further ones while
-/// something is left for them.
+/// something is left to explain.
 pub(super) fn search(
     listed: &Listed,
     level: f64,
@@ -31,7 +31,7 @@ pub(super) fn search(
             let subject = &listed.candidates[number].hypothesis.subject;
             subject.other_axis.is_some() && subject.component.is_none()
         };
-        // An angle is claimed only where it shows: it would change the curves that are told from the runs.
+        // A rotation is named only if it shows: it would change the curves that the runs determine.
         let variance = model.squares() / model.degrees_of_freedom;
         let enough = best.statistic - DECISIVE * variance.max(1.0);
         let plain = scores.iter().find(|s| plain(s) && s.statistic >= enough);
@@ -40,11 +40,11 @@ pub(super) fn search(
     found
 }
 
-/// What explains as much as a cause.
+/// The hypotheses that explain as much as a cause.
 pub(super) fn rivals(listed: &Listed, judged: &Judged) -> Vec<Rival> {
     let own = &judged.score;
     listed.rivals(judged, |score, other, _| {
-        // Who explains less than half cannot be alike.
+        // A hypothesis that explains less than half is no rival.
         let alike = || is_rival(own, score, cosine(&judged.fit, other));
         score.statistic >= 0.5 * own.statistic && alike()
     })

@@ -1,13 +1,13 @@
-//! Scale errors of several axes that are alike.
+//! Equal scale errors of several axes.
 
 use crate::said::Entry;
 use crate::verification::series::Series;
 
-/// Two sizes are alike if they differ by no more than so many standard uncertainties; a size is clear from so many of its own on.
+/// Two sizes are equal up to a difference of this many standard uncertainties; a size is clear from this many on.
 const COVERAGE: f64 = 2.0;
 const CLEAR: f64 = 5.0;
 
-/// Says that the scales of all lines of linear axes, of two or more, are alike: then what measured them may be off, not the axes.
+/// The notice that all lines of two or more linear axes have equal scales: the instrument may be off instead.
 pub(crate) fn alike_scales(entries: &[Entry], all: &[Series<'_>]) -> Option<String> {
     let mut axes: Vec<usize> = Vec::new();
     let mut sizes: Vec<(f64, f64)> = Vec::new();

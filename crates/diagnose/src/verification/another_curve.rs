@@ -1,8 +1,8 @@
-//! Whether the curve of a line is another one after a jump: an encoder that was exchanged has another zero and other errors along the
-//! axis, a machine or an instrument that shifts has not.
+//! Whether a line has another curve after a jump: an exchanged encoder has another zero and other errors along the
+//! axis, a shifted machine or instrument has not.
 //!
-//! Columns that are one after the instant at one position each are tested beside the causes (F test). What a straight line in the
-//! position takes is none of it: the axis may have grown meanwhile.
+//! Columns that are one after the instant at one position each are tested beside the causes (F test). A straight line
+//! in the position does not count: the axis may have grown meanwhile.
 
 use trueaxis_effects::{Level, Shape};
 use trueaxis_selection::{Fit, Projection};
@@ -13,7 +13,7 @@ use crate::verification::problem::Problem;
 use crate::verification::report::rms_of_readings_um;
 use crate::{OmnibusTest, Unexplained};
 
-/// What differs between the curves before and after one of the causes, in what a model with all of them leaves.
+/// The difference of the curves before and after one of the causes, in what a model with all of them leaves.
 pub(crate) fn another_curve(
     problem: &Problem<'_>,
     causes: &[Chosen],

@@ -1,17 +1,16 @@
 //! The readings of a verification as arrivals of the machine.
 //!
-//! The repeatability scatter is new at every arrival and common to all readings taken before it
-//! leaves again. Readings that follow each other at the same positions are therefore one arrival, with
-//! their mean; arrivals are independent. An arrival with several readings is a standstill.
+//! The repeatability scatter is new at every arrival and common to all readings taken before the axis leaves again.
+//! Consecutive readings at the same positions are therefore one arrival with their mean; arrivals are independent. An
+//! arrival with several readings is a standstill.
 //!
-//! The side that the measured axis of a line comes from is the `direction` of the table, in whatever order its
-//! rows stand: sweep by sweep, or stop by stop from below and from above (step cycle of ISO 230-2). Other axes
-//! come from the side of the pass (the readings of one cycle in one direction) where they move alone in it,
-//! else from the sign of their speed there ([`side`]). Speeds come from the
-//! table: `(q_next - q_last) / (t_next - t_last)` within the pass, zero at a standstill and of a line without times. A table with one
-//! timed reading at each position does not say whether the machine stopped there; it is taken as read on
-//! the fly, so that an offset of the time stamps stays among the possible causes. A circle is run at one feed: without
-//! times its speeds are per reading.
+//! The side that the measured axis of a line comes from is the `direction` of the table, in whatever order its rows
+//! are: sweep by sweep, or stop by stop from below and from above (step cycle of ISO 230-2). Other axes come from the
+//! side of the pass (the readings of one cycle in one direction) where they move alone in it, otherwise from the sign
+//! of their speed there ([`side`]). Speeds come from the table: `(q_next - q_last) / (t_next - t_last)` within the
+//! pass, zero at a standstill and for a line without times. A table with one timed reading at each position does not
+//! say whether the machine stopped there; it is taken as read on the fly, so that an offset of the time stamps stays
+//! among the possible causes. A circle is run at one feed: without times its speeds are per reading.
 
 use trueaxis_campaign::VerificationReading;
 
@@ -21,9 +20,9 @@ use crate::verification::side::{around, side};
 /// One visit of a commanded position.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Arrival {
-    /// Clock, s, mean of its readings; the number of the reading, from 1, if the table has no times.
+    /// Clock, s, mean of its readings; the number of the reading, counted from 1, if the table has no times.
     pub(crate) time_s: f64,
-    /// Of each of its readings.
+    /// Times of each of its readings.
     pub(crate) times_s: Vec<f64>,
     /// Time since the first reading.
     pub(crate) elapsed_s: f64,
@@ -37,32 +36,32 @@ pub(crate) struct Arrival {
     pub(crate) positions: Vec<f64>,
     /// Mean reading, µm.
     pub(crate) value_um: f64,
-    /// Readings in it.
+    /// Number of its readings.
     pub(crate) readings: usize,
-    /// The line of the first of them in the table.
+    /// Line of its first reading in the table.
     pub(crate) line: usize,
-    /// Whether it ends a circle where it began, after everything in between.
+    /// Whether it ends a circle where the circle began, after all other positions.
     pub(crate) closes_circle: bool,
-    /// For each axis the side from which it came, +1 or -1; 0 for an axis that stands.
+    /// For each axis the side it came from, +1 or -1; 0 for an axis that does not move.
     pub(crate) sides: Vec<f64>,
-    /// For each axis its speed, mm/s or rad/s; of a circle without a clock per reading.
+    /// For each axis its speed, mm/s or rad/s; for a circle without a clock, per reading.
     pub(crate) speeds_per_s: Vec<f64>,
 }
 
 impl Arrival {
-    /// Part of its readings that come after an instant: so much of what begins there is in their mean.
+    /// Share of its readings after an instant: this share of what begins there is in their mean.
     pub(crate) fn part_after(&self, instant_s: f64) -> f64 {
         let after = self.times_s.iter().filter(|&&time_s| time_s > instant_s);
         after.count() as f64 / self.readings as f64
     }
 
-    /// Whether two that follow each other are of one pass: of one cycle in one direction.
+    /// Whether two consecutive arrivals belong to one pass: one cycle in one direction.
     pub(crate) fn is_of_pass(&self, next: &Self) -> bool {
         self.cycle == next.cycle && is_same(self.direction, next.direction)
     }
 }
 
-/// For each arrival its number among those in a row that `are_same`.
+/// For each arrival the number of its run of consecutive ones that `are_same`.
 pub(crate) fn numbered_in_a_row(
     arrivals: &[Arrival],
     are_same: impl FnMut(&Arrival, &Arrival) -> bool,
@@ -72,7 +71,7 @@ pub(crate) fn numbered_in_a_row(
         .collect()
 }
 
-/// Whether a table has a clock; otherwise the numbers of its rows stand for it.
+/// Whether a table has a clock; otherwise row numbers replace the times.
 pub(crate) fn are_timed(readings: &[VerificationReading]) -> bool {
     readings.iter().all(|reading| reading.time_s.is_some())
 }
@@ -124,7 +123,7 @@ pub(crate) fn arrivals(readings: &[VerificationReading], measured: Option<usize>
     all
 }
 
-/// Commanded positions are copied, not computed: the same one is the same number.
+/// Commanded positions are copied, not computed: equal ones are the same number.
 pub(crate) fn is_same(a: f64, b: f64) -> bool {
     a.total_cmp(&b).is_eq()
 }
@@ -142,7 +141,7 @@ fn set_progress(all: &mut [Arrival]) {
     }
 }
 
-/// Sides, and speeds where there are times or a machine that does not stop, pass after pass.
+/// Sides, and speeds where there are times or a machine that does not stop, pass by pass.
 fn set_motion(all: &mut [Arrival], timed: bool, goes_on: bool) {
     for pass in all.chunk_by_mut(Arrival::is_of_pass) {
         let positions: Vec<Vec<f64>> = pass.iter().map(|a| a.positions.clone()).collect();
@@ -163,7 +162,7 @@ fn set_motion(all: &mut [Arrival], timed: bool, goes_on: bool) {
             for (i, arrival) in pass.iter_mut().enumerate() {
                 let (a, b) = (i.saturating_sub(1), (i + 1).min(last));
                 let step = positions[b][axis] - positions[a][axis];
-                // Where one axis moves alone, the table says from where it comes.
+                // Where one axis moves alone, the table gives its side.
                 arrival.sides[axis] = match moving.len() {
                     1 => arrival.direction,
                     _ => side(&positions, closed, axis, i),

@@ -1,16 +1,16 @@
-//! Errors of stops that follow each other may be alike: those of air that stirs slowly, of a probe, or of a filter.
+//! Errors of consecutive stops may be alike: errors of slowly moving air, of a probe, or of a filter.
 //!
-//! Taken as independent they look like drifts, jumps and courses, and mean values of neighbours look more certain than they are. Their
-//! correlation ρ is told by what repeats do not reproduce: of the readings beside a value of each position and side, an offset and a
-//! slope of each pass, and the causes, restricted maximum likelihood
+//! Taken as independent they look like drifts, jumps and courses, and means of neighbours look more certain than they
+//! are. Their correlation ρ follows from what repeats do not reproduce: from the readings, with a value for each
+//! position and side, an offset and a slope for each pass, and the causes in the model, restricted maximum likelihood
 //!
 //! ```text
 //! -2 ln L(ρ) = (n - p) ln(rᵀV⁻¹r) + ln det V + ln det XᵀV⁻¹X        V_ij = ρ^(time between i and j)
 //! ```
 //!
-//! asks for it ([`Whitening`]). What is alike over three stops or more is a course that wanders, so ρ ends at `e^-⅓`. A series is
-//! taken to have such noise if ρ is significant there, or possible where something was found, and if with it the causes and what wanders have together more evidence than
-//! without: what really wanders, or repeats, is explained better as such.
+//! gives it ([`Whitening`]). What is alike over three stops or more is a wandering course, so ρ is at most `e^-⅓`. A
+//! series has such noise if ρ is significant, or possible where something was found, and if with it causes and
+//! disturbances together have more evidence: real disturbances and repeating effects are explained better as such.
 
 use trueaxis_selection::{Projection, lengths_beside_earlier};
 
@@ -24,33 +24,33 @@ use crate::verification::whitening::Whitening;
 /// Correlation of neighbours in noise that is alike over three stops.
 const MOST: f64 = 0.716_531_310_573_789_3;
 
-/// Drop of the deviance for one parameter on the edge of its range, at a level of 5 %.
+/// Drop of the deviance for one parameter at the edge of its range, at a level of 5 %.
 const SIGNIFICANT: f64 = 2.706;
 
-/// The same at a level of 24 %, where a series is not clean: correlated noise is then one of its explanations, and which is the best
-/// their evidence says.
+/// The same at a level of 24 %, where a series is not clean: correlated noise is then one of its explanations, and
+/// the evidence decides which is the best.
 const POSSIBLE: f64 = 0.5;
 
 /// Degrees of freedom below which ρ is too uncertain (`1/√n`).
 const LEAST_DEGREES_OF_FREEDOM: f64 = 20.0;
 
-/// Positions and sides that are looked at, at most; neighbours of those are as alike as the others.
+/// Most positions and sides considered; neighbours among these are as alike as among the others.
 const MOST_CELLS: usize = 120;
 
-/// How well ρ is to be known.
+/// Tolerance of ρ.
 const TOLERANCE: f64 = 0.01;
 
 /// Noise of arrivals.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Noise {
-    /// Standard deviation of one, µm.
+    /// Standard deviation of one arrival, µm.
     pub(crate) sigma_um: f64,
-    /// Of those that follow each other.
+    /// Correlation of consecutive arrivals.
     pub(crate) correlation: f64,
 }
 
 impl Noise {
-    /// Of arrivals that are independent.
+    /// Noise of independent arrivals.
     pub(crate) fn white(sigma_um: f64) -> Self {
         Self {
             sigma_um,
@@ -59,7 +59,7 @@ impl Noise {
     }
 }
 
-/// A series with correlated noise, if that explains it better than it is explained without.
+/// A series with correlated noise, if that explains it better than independent noise does.
 pub(crate) fn alike_neighbours<'a>(
     found: &Series<'a>,
     with: impl Fn(Noise) -> Series<'a>,
@@ -70,7 +70,7 @@ pub(crate) fn alike_neighbours<'a>(
     let first = with(noise(found, least)?);
     // Beside the causes that are left.
     let last = with(noise(&first, least)?);
-    // Twice the logarithm of the likelihood of the readings with a noise, but for what is the same with any.
+    // Twice the logarithm of the likelihood of the readings with a noise, up to what is the same for any noise.
     let (base, white) = (&found.plain.listed.base, &found.plain.whitening);
     let total = |series: &Series<'a>| {
         let base = Restricted::new(base, white, series.plain.whitening.correlation);
@@ -79,7 +79,7 @@ pub(crate) fn alike_neighbours<'a>(
     (total(&last) > total(found)).then_some(last)
 }
 
-/// The noise of a series beside its causes, if neighbours are alike by a drop of the deviance.
+/// The noise of a series beside its causes, if correlation of neighbours lowers the deviance by `least`.
 fn noise(series: &Series<'_>, least: f64) -> Option<Noise> {
     let comparison = series.plain.comparison;
     let cells = cells(comparison).into_iter().enumerate();
@@ -116,16 +116,16 @@ fn noise(series: &Series<'_>, least: f64) -> Option<Noise> {
     })
 }
 
-/// A model of readings that are alike.
+/// A model of readings with correlated noise.
 struct Restricted {
-    /// `-2 ln L` but for what is the same with every correlation.
+    /// `-2 ln L`, up to what is the same for every correlation.
     deviance: f64,
-    /// Of what the model leaves, `rᵀV⁻¹r`.
+    /// Weighted squares of the residuals, `rᵀV⁻¹r`.
     squares: f64,
 }
 
 impl Restricted {
-    /// `beside` is that of independent ones, whitened so.
+    /// `beside` is the model of independent readings, whitened accordingly.
     fn new(beside: &Projection, white: &Whitening<'_>, correlation: f64) -> Self {
         let whitening = Whitening {
             correlation,

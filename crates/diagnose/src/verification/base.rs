@@ -5,11 +5,10 @@
 //! | positioning | the mean curve: a free value at each commanded position, and the zero of each line | the zero of each line |
 //! | ball bar | set-up: offset of the centre (3), length of the bar (1) | the same |
 //!
-//! A *line* is the readings with the other axes at the same positions; the interferometer is set to
-//! zero for each. The mean curve is that over all cycles, directions and lines: it absorbs the
-//! positioning error of the axis, so scale and cyclic error, but not what differs between directions,
-//! cycles or lines. The set-up of a ball bar absorbs a constant and one wave per turn: errors of scale that
-//! the axes have in common, not squareness.
+//! A *line* is the readings with the other axes at the same positions; the interferometer is set to zero for each.
+//! The mean curve is that over all cycles, directions and lines: it absorbs the positioning error of the axis, so
+//! scale and cyclic error, but not differences between directions, cycles or lines. The set-up of a ball bar absorbs
+//! a constant and one wave per turn: scale errors common to the axes, not squareness.
 
 use std::cmp::Ordering;
 
@@ -59,24 +58,24 @@ pub(crate) fn set_up(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
     ball_bar_set_up(&towards)
 }
 
-/// For each reading the number of its line.
+/// For each reading the index of its line.
 pub(crate) fn lines(comparison: &Comparison<'_>) -> Vec<usize> {
     let positions = comparison.arrivals.iter().map(|a| a.positions.as_slice());
     positioning_lines(comparison.axis(), positions)
 }
 
-/// For each reading the number of the commanded position of the measured axis.
+/// For each reading the index of the commanded position of the measured axis.
 pub(crate) fn places(comparison: &Comparison<'_>) -> Vec<usize> {
     let measured = comparison.axis();
     numbered(comparison, |a| vec![a.positions[measured]])
 }
 
-/// For each reading the number of its commanded positions of all axes.
+/// For each reading the index of its commanded positions of all axes.
 pub(crate) fn stands(comparison: &Comparison<'_>) -> Vec<usize> {
     numbered(comparison, |a| a.positions.clone())
 }
 
-/// For each reading the number of its commanded positions and direction; the end of a circle is none of its starts.
+/// For each reading the index of its commanded positions and direction; the end of a circle is apart from its start.
 pub(crate) fn cells(comparison: &Comparison<'_>) -> Vec<usize> {
     let key = |a: &Arrival| {
         let end = f64::from(u8::from(a.closes_circle));
@@ -85,17 +84,17 @@ pub(crate) fn cells(comparison: &Comparison<'_>) -> Vec<usize> {
     numbered(comparison, key)
 }
 
-/// For each reading the number of its cycle.
+/// For each reading the index of its cycle.
 pub(crate) fn cycles(comparison: &Comparison<'_>) -> Vec<usize> {
     numbered(comparison, |a| vec![f64::from(a.cycle)])
 }
 
-/// For each reading the number of its cycle and direction, forward first.
+/// For each reading the index of its cycle and direction, forward first.
 pub(crate) fn passes(comparison: &Comparison<'_>) -> Vec<usize> {
     numbered(comparison, |a| vec![f64::from(a.cycle), -a.direction])
 }
 
-/// Numbers the different values of a key in rising order.
+/// Numbers the different values of a key in ascending order.
 fn numbered(comparison: &Comparison<'_>, key: impl Fn(&Arrival) -> Vec<f64>) -> Vec<usize> {
     let keys: Vec<Vec<f64>> = comparison.arrivals.iter().map(key).collect();
     let order = |a: &Vec<f64>, b: &Vec<f64>| {
@@ -113,19 +112,19 @@ fn numbered(comparison: &Comparison<'_>, key: impl Fn(&Arrival) -> Vec<f64>) -> 
     keys.iter().map(number).collect()
 }
 
-/// How many there are of what is numbered from 0 on.
+/// How many different indices there are, counted from 0.
 pub(crate) fn count(numbers: &[usize]) -> usize {
     numbers.iter().max().map_or(0, |last| last + 1)
 }
 
-/// How many there are of each number.
+/// How many readings have each index.
 pub(crate) fn sizes(numbers: &[usize]) -> Vec<usize> {
     let mut sizes = vec![0; count(numbers)];
     numbers.iter().for_each(|&number| sizes[number] += 1);
     sizes
 }
 
-/// Takes a location (mean, median) of each number out of values.
+/// Subtracts from values the location (mean, median) of those with the same index.
 pub(crate) fn less_location(
     x: &mut [f64],
     numbers: &[usize],
@@ -141,7 +140,7 @@ pub(crate) fn less_location(
     }
 }
 
-/// One column for each number.
+/// One column for each index.
 pub(crate) fn indicators(numbers: &[usize]) -> Vec<Vec<f64>> {
     let mut columns = vec![vec![0.0; numbers.len()]; count(numbers)];
     for (row, &number) in numbers.iter().enumerate() {
@@ -150,7 +149,7 @@ pub(crate) fn indicators(numbers: &[usize]) -> Vec<Vec<f64>> {
     columns
 }
 
-/// Two columns multiplied, reading by reading.
+/// The product of two columns, reading by reading.
 pub(crate) fn times(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a * b).collect()
 }

@@ -1,5 +1,4 @@
-//! Which causes are claimed: those that help on unused readings, and that do not merely imitate what
-//! nothing explains.
+//! Which causes are claimed: those that help on unused readings and do not merely imitate what nothing explains.
 
 use trueaxis_selection::Fit;
 
@@ -10,9 +9,8 @@ use crate::verification::problem::Problem;
 
 /// Drops causes that do not gain on unused readings with a probability of nine in ten, the weakest first.
 ///
-/// The gain of a true cause of strength λ scatters by 2/λ of itself: at λ = 7 a two-sided interval of
-/// 95 % would lose 6 % of the true ones, this bound loses 1 %. Whether a gain is *claimed* is told by the
-/// interval.
+/// The gain of a true cause of strength λ scatters by 2/λ of itself: at λ = 7 a two-sided interval of 95 % would lose
+/// 6 % of the true ones, this bound loses 1 %. Whether a gain is *claimed* depends on the interval.
 pub(crate) fn with_gain(problem: &Problem<'_>, causes: &mut Vec<Chosen>) {
     while !causes.is_empty() {
         let bounds = (0..causes.len()).map(|k| {
@@ -27,7 +25,7 @@ pub(crate) fn with_gain(problem: &Problem<'_>, causes: &mut Vec<Chosen>) {
     }
 }
 
-/// Drops causes whose effect lies where structure is left.
+/// Drops causes whose effect is in families in which structure is left.
 pub(crate) fn without_imitations(problem: &Problem<'_>, causes: &mut Vec<Chosen>) {
     let tests = omnibus(problem, &problem.listed.with(causes));
     let squares = |t: &Omnibus| t.drop - t.test.columns as f64;

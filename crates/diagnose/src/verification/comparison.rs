@@ -1,5 +1,5 @@
-//! Measured minus predicted, as in `verify` ([`CalibratedMachine::predicted_reading_um`]), reading by reading, and what an effect
-//! does to each.
+//! Measured minus predicted, as in `verify` ([`CalibratedMachine::predicted_reading_um`]), reading by reading, and
+//! the change of each by an effect.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ use crate::verification::arrivals::{Arrival, are_timed, arrivals, is_same, numbe
 use crate::verification::resolution::resolution_um;
 use crate::verification::whitening::lags;
 
-/// A unit of a parameter that changes a reading by less changes nothing, µm.
+/// A change of a reading for a unit of a parameter below which it counts as none, µm.
 const ROUNDING_UM: f64 = 1e-9;
 
 /// One verification against a prediction.
@@ -26,35 +26,35 @@ pub(crate) struct Comparison<'a> {
     pub(crate) machine: &'a Machine,
     /// What was measured.
     pub(crate) kind: &'a VerificationKind,
-    /// When, where and what.
+    /// The readings as arrivals: when, where and how much.
     pub(crate) arrivals: Vec<Arrival>,
-    /// Of each the time since the one before it, in usual ones.
+    /// For each arrival the time since the previous one, in units of the usual time.
     pub(crate) lags: Vec<f64>,
     /// Measured minus predicted, µm.
     pub(crate) difference_um: Vec<f64>,
-    /// Where the measured point is and in which direction its displacement counts.
+    /// Position of the measured point, and the direction in which its displacement counts.
     pub(crate) points: Vec<MeasuredPoint>,
     /// Whether times are those of a clock, s; otherwise they count readings.
     pub(crate) timed: bool,
-    /// For each reading the number of its pass: readings of one cycle in one direction that follow each other.
+    /// For each reading the index of its pass: consecutive readings of one cycle in one direction.
     pub(crate) passes: Vec<usize>,
-    /// Of a ball bar its angle, rad, -π to π.
+    /// For a ball bar its angle, rad, -π to π.
     pub(crate) around: Vec<f64>,
     /// First and last position of [`Comparison::axis`], mm or rad.
     pub(crate) range: [f64; 2],
-    /// Axes that have more than one position in the readings.
+    /// Axes with more than one position in the readings.
     pub(crate) moving: Vec<usize>,
-    /// Axes that stand elsewhere than they did when the measured axis was calibrated.
+    /// Axes that stand elsewhere than when the measured axis was calibrated.
     pub(crate) parked_elsewhere: Vec<usize>,
-    /// What they did there is in its curves: for each calibrated axis where all axes stood, mm or rad (at home where it is not
-    /// known); one that is missing was measured with the others at home, or not at all.
+    /// For each calibrated axis the positions of all axes, whose effects there are in its curves, mm or rad (home where
+    /// it is not known); a missing one was measured with the others at home, or not at all.
     calibrated_at: BTreeMap<usize, Vec<f64>>,
-    /// Couplings that were taken out of what was measured, so that no curve has them.
+    /// Couplings subtracted from the measurements, so that no curve contains them.
     taken_out: Vec<GivenEffect>,
 }
 
 impl<'a> Comparison<'a> {
-    /// Of the readings with what a calibration predicts, or an ideal machine.
+    /// Of the readings with the prediction of a calibration, or of an ideal machine.
     pub(crate) fn new(
         machine: &'a Machine,
         verification: &'a Verification,
@@ -105,7 +105,7 @@ impl<'a> Comparison<'a> {
         comparison
     }
 
-    /// Axes that stand elsewhere at all readings of a line than where its axis was calibrated.
+    /// Axes that at all readings of a line stand elsewhere than where its axis was calibrated.
     fn parked_elsewhere(&self, axis: usize, calibration: &CalibratedMachine) -> Vec<usize> {
         let name = self.machine.axes()[axis].name();
         if calibration.unmeasured().contains(&name) {
@@ -119,15 +119,15 @@ impl<'a> Comparison<'a> {
                 read.all(|q| !stands_alike(kind, q, from))
             };
             let calibrated = calibrated.map_or(0.0, |positions| positions[*other]);
-            // What was taken out counts from home.
+            // What was subtracted counts from home.
             *other != axis && (is_off(calibrated) || !self.taken_out.is_empty() && is_off(0.0))
         };
         let others = 0..self.machine.axes().len();
         others.filter(is_elsewhere).collect()
     }
 
-    /// What one unit of a parameter of an effect does to each reading, µm; of a coupling less what the calibrated curves of both
-    /// axes have of it, `q_A q_B - q_A b - a q_B` where A was calibrated with B at b, and B with A at a.
+    /// Change of each reading by one unit of a parameter of an effect, µm; for a coupling less its part in the curves
+    /// of both axes, `q_A q_B - q_A b - a q_B` where A was calibrated with B at b, and B with A at a.
     pub(crate) fn column(
         &self,
         effect: &Effect,
@@ -137,9 +137,9 @@ impl<'a> Comparison<'a> {
     ) -> Vec<f64> {
         let rows = self.arrivals.iter().zip(&self.points);
         rows.map(|(arrival, point)| {
-            // An effect of an axis sees the motion of this axis, whatever else moves.
+            // An effect of an axis depends on the motion of this axis, whatever else moves.
             let axis = subject.axis.unwrap_or_else(|| self.axis());
-            // An instant may part the readings of a stop.
+            // An instant may divide the readings of a stop.
             let (time_s, part) = match effect.shape {
                 Shape::Instant => (f64::INFINITY, arrival.part_after(shape)),
                 _ => (arrival.time_s, 1.0),
@@ -179,7 +179,7 @@ impl<'a> Comparison<'a> {
                 all_mm -= change_mm(&in_curve);
             }
             let change_um = part * all_mm / MICROMETRE;
-            // What moves the point across the line of sight would be a column of rounding errors.
+            // A displacement across the line of sight would be a column of rounding errors.
             if change_um.abs() < ROUNDING_UM {
                 0.0
             } else {
@@ -189,7 +189,7 @@ impl<'a> Comparison<'a> {
         .collect()
     }
 
-    /// The two axes of a coupling whose curves have it: none of what was taken out.
+    /// The two axes of a coupling whose curves contain it; none if it was subtracted.
     fn coupled(&self, effect: &Effect, subject: &Subject) -> impl Iterator<Item = usize> + use<> {
         let is_in_curves =
             effect == CROSS_COUPLING && !self.taken_out.iter().any(|own| self.is_of(own, subject));
@@ -197,7 +197,7 @@ impl<'a> Comparison<'a> {
         axes.into_iter().flatten().filter(move |_| is_in_curves)
     }
 
-    /// Whether a coupling with names is that of a subject.
+    /// Whether a coupling given by names is that of a subject.
     fn is_of(&self, given: &GivenEffect, subject: &Subject) -> bool {
         let name = |axis: Option<usize>| axis.map(|axis| self.machine.axes()[axis].name());
         let component = subject.component.zip(name(subject.axis));
@@ -208,7 +208,7 @@ impl<'a> Comparison<'a> {
             && own.component == component
     }
 
-    /// The axis of a line; none of a ball bar.
+    /// The axis of a line; `None` for a ball bar.
     pub(crate) fn line(&self) -> Option<usize> {
         line(self.kind)
     }
@@ -228,13 +228,13 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    /// Where an arrival is in that range, 0 to 1.
+    /// Position of an arrival in that range, 0 to 1.
     pub(crate) fn travelled(&self, arrival: &Arrival) -> f64 {
         let [low, high] = self.range;
         (arrival.positions[self.axis()] - low) / (high - low).max(f64::MIN_POSITIVE)
     }
 
-    /// Commanded positions of an axis, each once, rising.
+    /// Commanded positions of an axis, each once, ascending.
     pub(crate) fn positions(&self, axis: usize) -> Vec<f64> {
         let mut positions: Vec<f64> = self.arrivals.iter().map(|a| a.positions[axis]).collect();
         positions.sort_by(f64::total_cmp);
@@ -242,14 +242,14 @@ impl<'a> Comparison<'a> {
         positions
     }
 
-    /// Half waves of the position of that axis over the range of its positions, from one on, in each group of readings.
+    /// Half waves of the position of that axis over the range of its positions, from one on, in each group.
     pub(crate) fn waves_of_position(&self, count: u32, groups: Vec<usize>) -> Vec<Vec<f64>> {
         let at = self.arrivals.iter().map(|a| self.travelled(a));
         waves_of(groups.into_iter().zip(at).map(Some), false, count)
     }
 
-    /// Whether a line was read at one position after the other, at each of them once for all: then what goes with its position goes
-    /// with time.
+    /// Whether a line was read at one position after the other, at each of them once for all: then nothing separates
+    /// position from time.
     pub(crate) fn is_position_after_position(&self) -> bool {
         let Some(axis) = self.line() else {
             return false;
@@ -264,7 +264,7 @@ impl<'a> Comparison<'a> {
         resolution_um(self.arrivals.iter().map(|a| a.value_um))
     }
 
-    /// What is counted in a unit: without a clock times count readings.
+    /// The unit of a count: without a clock times count readings.
     pub(crate) fn unit_of(&self, unit: &'static str) -> &'static str {
         match unit {
             "s" if !self.timed => "readings",
@@ -274,7 +274,7 @@ impl<'a> Comparison<'a> {
     }
 }
 
-/// Where axes stood while each one was calibrated; at home where they stood at several places.
+/// Positions of the axes while each one was calibrated; home where an axis stood at several positions.
 fn calibrated_at(calibration: &CalibratedMachine) -> BTreeMap<usize, Vec<f64>> {
     let all = calibration.parked.iter().map(|(&axis, parked)| {
         let positions = parked.iter().map(|position| position.unwrap_or(0.0));
@@ -291,7 +291,7 @@ pub(crate) fn came_from(arrival: &Arrival) -> Direction {
     }
 }
 
-/// The axis of a line; none of a ball bar.
+/// The axis of a line; `None` for a ball bar.
 pub(crate) fn line(kind: &VerificationKind) -> Option<usize> {
     match *kind {
         VerificationKind::Positioning { axis, .. } => Some(axis),
@@ -299,8 +299,8 @@ pub(crate) fn line(kind: &VerificationKind) -> Option<usize> {
     }
 }
 
-/// Angle of the bar in the plane of its first directions; of a ball on an axis of rotation whose
-/// centre lies on the axis, that of the axis.
+/// Angle of the bar in the plane of its first directions; for a ball on an axis of rotation whose centre lies on the
+/// axis, that of the axis.
 fn around(points: &[MeasuredPoint]) -> Vec<f64> {
     let first = points.first().map(|p| p.along).unwrap_or_default();
     let across = points.iter().map(|p| p.along - first * first.dot(&p.along));

@@ -1,8 +1,8 @@
-//! Causes and what wanders against each other, as in the lengths.
+//! Causes and disturbances against each other, as with lengths.
 //!
-//! One model finds causes first, then what wanders beside them, then causes again with that in the covariance; another
-//! begins with what wanders; a third has nothing else. The one with the most evidence is taken: each further name costs
-//! [`DECISIVE`], and what can be anything twice that.
+//! One model finds causes first, then disturbances beside them, then causes again with these in the covariance;
+//! another begins with disturbances; a third has nothing else. The one with the most evidence is taken: each further
+//! name costs [`DECISIVE`], and what can take any course twice that.
 
 use trueaxis_selection::{DECISIVE, Score};
 
@@ -18,10 +18,10 @@ use crate::verification::problem::Problem;
 use crate::verification::search::{drop_superfluous, opposed, refine, search, search_from};
 use crate::verification::wandering::{FittedProcess, wandering};
 
-/// Searches until one holds, at most.
+/// Most searches until one holds.
 const MOST_TRIES: usize = 3;
 
-/// The model with the most evidence, if what wanders in it helps on readings that were not used; else that of causes alone.
+/// The model with the most evidence, if its disturbances help on unused readings; otherwise that of causes alone.
 pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
     let of_causes = of_causes(plain, causes(plain));
     let is_complete = !is_left(&of_causes);
@@ -41,7 +41,7 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
         let couplings: Vec<usize> = all.filter(|&number| is_coupling(plain, number)).collect();
         models.extend(whole(plain, &couplings));
     } else if is_complete && found.len() > 1 {
-        // So may a jump and lost motion that changes along the axis imitate a drift and constant lost motion: in two cycles exactly.
+        // So may a jump and changing lost motion imitate a drift and constant lost motion: in two cycles exactly.
         models.extend(whole(plain, &[]));
     }
     if !is_complete {
@@ -49,13 +49,13 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
         let sets = suspected(plain, &of_causes.causes);
         models.extend(sets.into_iter().filter_map(|causes| beside(plain, causes)));
     }
-    // Where causes explain all, what wanders must do it alone to be better.
+    // Where causes explain everything, disturbances must do it alone to be better.
     let explains = |m: &Model<'_>| !m.causes.is_empty() && !is_left(m);
     let is_explained = is_complete && !of_causes.causes.is_empty() || models.iter().any(explains);
     if !alone.is_empty() {
         models.push(only(plain, alone.clone()));
         if !is_explained {
-            // A cause may be what the second one has taken.
+            // The second disturbance may have taken what belongs to a cause.
             if let [first, _, ..] = alone.as_slice() {
                 models.extend(with_causes(plain, vec![first.clone()]));
             }
@@ -96,12 +96,12 @@ fn suspected(plain: &Problem<'_>, of_causes: &[Chosen]) -> Vec<Vec<Chosen>> {
     let found = search(&plain.listed, Vec::new(), &[], plain.level);
     let mut holding = found.clone();
     without_imitations(plain, &mut holding);
-    // A form of one parameter that leaves much of what wanders may be right; others imitate it.
+    // A form of one parameter that leaves much to disturbances may be right; others imitate it.
     let may_be_right = |cause: &&Chosen| {
         plain.listed.candidates[cause.candidate].is_simple() || holding.contains(cause)
     };
     let together: Vec<Chosen> = found.iter().filter(may_be_right).copied().collect();
-    // Each by itself: beside another one that is a part of what wanders, lost motion was lost. That is tried in any case.
+    // Each by itself: beside a cause that is a part of what wanders, lost motion was missed. It is always tried.
     let each = found.into_iter().chain(lost_motion(plain));
     let all = [together, of_causes.to_vec()].into_iter();
     let mut sets: Vec<Vec<Chosen>> = Vec::new();
@@ -130,13 +130,13 @@ fn lost_motion(plain: &Problem<'_>) -> Vec<Chosen> {
     chosen.collect()
 }
 
-/// First causes that others are looked for beside, at most, and causes that explain all, at most: play of both axes, their
-/// squareness, scales and servos are all there on an ordinary circle.
+/// Most first causes beside which others are sought, and most causes that explain everything: play of both axes,
+/// their squareness, scales and servos are all present on an ordinary circle.
 const FIRST: usize = 4;
 const MOST_OF_ALL: usize = 5;
 
-/// Several causes, none of them `excluded`, that leave nothing: of a pair that one cause imitates neither is the first, and
-/// what is little against the others was taken for their shape.
+/// Several causes, none of them `excluded`, that leave nothing: of a pair that one cause imitates neither comes
+/// first, and what is small against the others was taken for their shape.
 fn whole<'a>(plain: &Problem<'a>, excluded: &[usize]) -> Vec<Model<'a>> {
     let listed = &plain.listed;
     let beside = listed.beside(&[]);
@@ -160,8 +160,8 @@ fn whole<'a>(plain: &Problem<'a>, excluded: &[usize]) -> Vec<Model<'a>> {
     models
 }
 
-/// Whether what wanders gains on readings that were not used, with a probability of nine in ten; where nothing does, whether each cause
-/// does.
+/// Whether the disturbances gain on readings that were not used, with a probability of nine in ten; without
+/// disturbances, whether each cause does.
 fn helps(plain: &Problem<'_>, model: &Model<'_>) -> bool {
     if model.wandering.is_empty() {
         let mut gaining = model.causes.clone();
@@ -174,8 +174,8 @@ fn helps(plain: &Problem<'_>, model: &Model<'_>) -> bool {
     gain(plain, &without, &with).is_none_or(|gain| gain.upper_bound < 1.0)
 }
 
-/// Causes with what wanders beside them, without those that are not significant there or imitate what is left; none if
-/// nothing wanders.
+/// Causes with the disturbances beside them, without those that are not significant there or imitate what is left;
+/// `None` if nothing wanders.
 fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>) -> Option<Model<'a>> {
     loop {
         let found = causes.len();
@@ -186,9 +186,9 @@ fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>) -> Option<Model<'a>>
         if model.wandering.is_empty() {
             return None;
         }
-        // When a cause began and how long it took changes beside what wanders.
+        // When a cause began and how long it took changes beside disturbances.
         refine(&model.problem.listed, &mut causes);
-        // The true course is never quite the process.
+        // The true course never quite follows the process.
         let level = plain.level.min(FURTHER_LEVEL);
         drop_superfluous(&model.problem.listed, &mut causes, level);
         without_imitations(&model.problem, &mut causes);
@@ -199,7 +199,7 @@ fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>) -> Option<Model<'a>>
     }
 }
 
-/// The causes that are found where something wanders, with what wanders beside them.
+/// The causes found where something wanders, with the disturbances beside them.
 fn with_causes<'a>(plain: &Problem<'a>, first: Vec<FittedProcess>) -> Option<Model<'a>> {
     let found = causes(&plain.beside(&first));
     beside(plain, found)
@@ -220,8 +220,8 @@ fn without_rests(models: Vec<Model<'_>>) -> Vec<Model<'_>> {
     kept.map(|(model, _)| model).collect()
 }
 
-/// Causes that hold on unused readings, structure beside them that they do not merely imitate. What does not hold
-/// gives its place to the next.
+/// Causes that hold on unused readings and do not merely imitate structure beside them. What does not hold is
+/// excluded and the search repeated.
 fn causes(problem: &Problem<'_>) -> Vec<Chosen> {
     let level = problem.level;
     let listed = &problem.listed;
@@ -229,7 +229,7 @@ fn causes(problem: &Problem<'_>) -> Vec<Chosen> {
     for _ in 0..MOST_TRIES {
         let mut chosen = search(listed, Vec::new(), &excluded, level);
         let first: Vec<usize> = chosen.iter().map(|c| c.candidate).collect();
-        // Beside what wanders the neighbours of a reading predict it with a cause and without.
+        // Beside disturbances the neighbours of a reading predict it with a cause and without.
         if !problem.wanders {
             with_gain(problem, &mut chosen);
         }

@@ -6,13 +6,13 @@ use crate::extremes::extremes;
 use crate::verification::arrivals::is_same;
 use crate::verification::given_once::LEAST_REPEATED;
 
-/// Expected number of runs of equal rows as long as this one, below which it is no chance: of coarse readings many pairs are equal.
+/// Expected number of runs of equal rows of this length, below which a run is no chance: coarse rows are often equal.
 const BY_CHANCE: f64 = 1e-4;
 
-/// Rows above which it is not looked for: every row is compared with every other.
+/// Most rows for which it is sought: every row is compared with every other.
 const MOST_ROWS: usize = 10_000;
 
-/// Some rows that are equal to later ones.
+/// Consecutive rows that equal later ones.
 #[derive(Default)]
 struct Run {
     first: usize,
@@ -39,7 +39,7 @@ pub(crate) fn copied(readings: &[VerificationReading]) -> Option<String> {
             }
             equal += usize::from(is_equal);
             rows = if is_equal { rows + 1 } else { 0 };
-            // Not over itself.
+            // It must not overlap itself.
             if rows > longest.rows && rows <= apart {
                 longest = Run {
                     first: first + 1 - rows,
@@ -69,10 +69,10 @@ pub(crate) fn copied(readings: &[VerificationReading]) -> Option<String> {
     ))
 }
 
-/// Steps of the last digit over the range of the readings, at most, for that digit to hide what repeats differ by.
+/// Most steps of the last digit over the range of the readings with which it hides the differences of repeats.
 const COARSE: f64 = 50.0;
 
-/// Whether repeats differ by one digit at most, of few over the range: an instrument that reads no finer reads the same twice.
+/// Whether repeats differ by at most one digit, of few over the range: a coarse instrument shows the same twice.
 pub(super) fn is_coarse(readings: &[VerificationReading], furthest_um: f64) -> bool {
     let values = || readings.iter().map(|reading| reading.value_um);
     let [low, high] = extremes(values());
@@ -88,5 +88,5 @@ pub(super) fn is_coarse(readings: &[VerificationReading], furthest_um: f64) -> b
     high - low <= COARSE * digit && furthest_um <= digit * (1.0 + ROUNDING)
 }
 
-/// Of a number of digits.
+/// Rounding error of a number of digits.
 const ROUNDING: f64 = 1e-6;

@@ -1,4 +1,4 @@
-//! Whether causes describe the course of what they name, where something wanders beside them.
+//! Whether causes describe the course that they name, where something wanders beside them.
 
 use trueaxis_effects::Shape;
 use trueaxis_leastsquares::dot;
@@ -11,15 +11,15 @@ use crate::verification::search::drop_superfluous;
 use crate::verification::wanderer::Wanderer;
 use crate::verification::wandering::{FittedProcess, wandering};
 
-/// A cause in time is no more than a part of what wanders if this part of what it explains is left to that.
+/// A cause in time is only a part of a disturbance if the disturbance takes this share of what it explains.
 const PART: f64 = 0.1;
 
-/// A wave along an axis whose curve wanders with position is a remainder of that curve, if it explains less than this part of it, or
-/// if it is longer than this part of the correlation length: then the curve may take this course by itself.
+/// A wave along an axis whose curve wanders with position is a remainder of the curve if it explains less than this
+/// share of it or is longer than this share of the correlation length: the curve may take this course by itself.
 const REST: f64 = 0.25;
 const OWN_COURSE: f64 = 0.75;
 
-/// Squares of what a cause of a model does to the readings, in variances of the noise.
+/// Squares of the effect of a cause of a model on the readings, in variances of the noise.
 fn squares_of(plain: &Problem<'_>, model: &Model<'_>, k: usize) -> f64 {
     let listed = &model.problem.listed;
     let columns = listed.columns_of(&model.causes[k]);
@@ -29,7 +29,7 @@ fn squares_of(plain: &Problem<'_>, model: &Model<'_>, k: usize) -> f64 {
     dot(&effect, &effect)
 }
 
-/// The model without causes that do not describe the course that they give a name.
+/// The model without causes that do not describe the course that they name.
 pub(crate) fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>) -> Model<'a> {
     loop {
         let listed = &model.problem.listed;

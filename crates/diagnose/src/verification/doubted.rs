@@ -1,8 +1,8 @@
-//! Readings that are far off, however many they are: the least squares of a table in which one in ten is wrong hide them all.
+//! Readings far off, however many they are: least squares over a table with one in ten wrong hide them all.
 //!
-//! What a model leaves is taken less the median of each position and side and of each pass (median polish; Tukey 1977, ch. 11), which
-//! wrong readings do not move as long as they are fewer than the others, and compared with the standard deviation of normal noise that
-//! leaves sizes of the same median ([`sigma_um`]).
+//! From what a model leaves, the median of each position and side and of each pass is subtracted (median polish;
+//! Tukey 1977, ch. 11), which wrong readings do not move as long as they are fewer than the others; the rest is
+//! compared with the standard deviation of normal noise with the same median size ([`sigma_um`]).
 
 use trueaxis_effects::Level;
 use trueaxis_selection::Projection;
@@ -16,13 +16,13 @@ use crate::verification::gross_errors::{MOST, MOST_IN_A_ROW};
 use crate::verification::noise_floor::SHORT_PASS;
 use crate::verification::problem::Problem;
 
-/// Standard deviations from which on a reading is far off: as many as a slip has at least.
+/// Standard deviations from which on a reading is far off: the least size of a slip.
 const FAR: f64 = 8.0;
 
 /// Standard deviation of normal noise for a unit of its median size.
 const OF_MEDIAN: f64 = 1.4826;
 
-/// Medians of positions and of passes in turn.
+/// How often the medians of positions and of passes are subtracted in turn.
 const SWEEPS: usize = 4;
 
 /// The arrivals that are far off in what is left of all, and by how much, µm, in their order.
@@ -37,16 +37,16 @@ pub(crate) fn far_off(comparison: &Comparison<'_>, left_um: &[f64]) -> Vec<(usiz
     all.filter(|(_, off)| off.abs() > far_um).collect()
 }
 
-/// Takes the medians of cells and passes out of readings, and tells the standard deviation of their noise; none where nothing is left
-/// over to tell it.
+/// Subtracts the medians of cells, and of passes where any is longer than [`SHORT_PASS`], from readings and returns
+/// the standard deviation of their noise; `None` where nothing remains to determine it.
 ///
 /// ```text
 /// s = 1.4826 median |e| √(m/ν)
 /// ```
 ///
-/// `ν` are the readings less the medians. Of an odd number of readings the median is one of them and leaves nothing of it, so that many of
-/// the smallest sizes are not counted; `m` are. Of an even number it leaves something of all. A pass and a cell on the same side have a
-/// constant in common.
+/// `ν` is the number of readings less the medians. The median of an odd number of readings is one of them and leaves
+/// nothing of it, so that many of the smallest sizes are not counted; `m` are. That of an even number leaves
+/// something of all. A pass and a cell on the same side have a constant in common.
 fn sigma_um(off: &mut [f64], cells: &[usize], passes: &[usize]) -> Option<f64> {
     let longest = sizes(passes).into_iter().max()?;
     let mut groups = vec![cells];
@@ -70,8 +70,8 @@ fn sigma_um(off: &mut [f64], cells: &[usize], passes: &[usize]) -> Option<f64> {
     Some(OF_MEDIAN * middle * (counted.len() as f64 / freedom as f64).sqrt())
 }
 
-/// How many mistakes make what is far off, where no more than two follow each other: of two readings at a position a mistake of one puts
-/// both off. Where three or more follow each other something else is behind it.
+/// How many mistakes explain what is far off, where at most two are consecutive: of two readings at a position a
+/// mistake in one puts both off. Three or more consecutive ones have another reason.
 pub(crate) fn mistakes(comparison: &Comparison<'_>, far: &[(usize, f64)]) -> f64 {
     let cells = cells(comparison);
     let sizes = sizes(&cells);
@@ -84,7 +84,7 @@ pub(crate) fn mistakes(comparison: &Comparison<'_>, far: &[(usize, f64)]) -> f64
     parts.sum()
 }
 
-/// Many readings that are far off in what a model leaves, which is no longer the noise of the others.
+/// Many readings that are far off in what a model leaves, which is then no longer the noise of the others.
 pub(crate) fn doubted(problem: &Problem<'_>, after: &Projection) -> Option<Unexplained> {
     let comparison = problem.comparison;
     let readings = problem.readings();
@@ -111,7 +111,7 @@ pub(crate) fn doubted(problem: &Problem<'_>, after: &Projection) -> Option<Unexp
     })
 }
 
-/// In how many sides the cells fall apart that no pass has in common.
+/// Number of sides: sets of cells that no pass connects.
 fn sides(cells: &[usize], passes: &[usize]) -> usize {
     let mut side_of_cell: Vec<usize> = (0..count(cells)).collect();
     let mut cell_of_pass = vec![None; count(passes)];
@@ -128,7 +128,7 @@ fn sides(cells: &[usize], passes: &[usize]) -> usize {
     side_of_cell.len()
 }
 
-/// The median, of an even number the mean of the two in the middle.
+/// The median; of an even number the mean of the two in the middle.
 fn median(own: &mut [f64]) -> f64 {
     own.sort_by(f64::total_cmp);
     let middle = own.len() / 2;
@@ -147,8 +147,8 @@ mod tests {
 
     use super::*;
 
-    /// Noise of 1 µm in tables of all kinds: positions that are read an even or an odd number of times, passes of one to 33. The mean of 200
-    /// is right within a quarter: it is 0.8 where positions are read four times, 1.15 where three times.
+    /// Noise of 1 µm in all kinds of tables: positions read an even or odd number of times, passes of one to 33. The
+    /// mean of 200 is right within a quarter: 0.8 where positions are read four times, 1.15 where three times.
     #[test]
     fn noise_is_told_whatever_the_table() {
         let layouts = [

@@ -1,4 +1,4 @@
-//! Readings that are given twice, in two files or within one: as a second measurement they would make everything look more
+//! Readings given twice, in two files or within one: as a second measurement they would make everything look more
 //! certain than it is.
 
 use std::collections::HashMap;
@@ -8,7 +8,7 @@ use trueaxis_campaign::{Verification, VerificationReading};
 use crate::verification::arrivals::{are_timed, is_same};
 use crate::verification::copied::is_coarse;
 
-/// Readings in a row from which on two tables, or two parts of one, are the same; a few may be so by chance.
+/// Consecutive readings from which on two tables, or two parts of one, are the same; fewer may agree by chance.
 pub(super) const LEAST_REPEATED: usize = 6;
 
 /// The verifications without those that repeat an earlier one reading by reading.
@@ -23,7 +23,7 @@ pub(crate) fn given_once<'v>(
             let count = verification.readings.len();
             count >= LEAST_REPEATED
                 && other.readings.len() == count
-                // A machine may show the same again to its last digit; a clock tells.
+                // A machine may show the same again to its last digit; a clock distinguishes them.
                 && (are_timed(&other.readings) || !is_coarse(&other.readings, 0.0))
                 && rows.all(|(a, b)| {
                     is_same_stop(a, b) && a.time_s == b.time_s && is_same(a.value_um, b.value_um)
@@ -44,8 +44,8 @@ fn is_same_stop(a: &VerificationReading, b: &VerificationReading) -> bool {
     (a.cycle, a.direction) == (b.cycle, b.direction) && a.positions == b.positions
 }
 
-/// Leaves rows out that repeat earlier ones, six or more that follow each other with the same cycle, side, positions, reading and
-/// time; a notice says which. Where there is neither a clock nor a second cycle, a machine may have come again and shown the same.
+/// Removes rows that repeat earlier ones: six or more consecutive ones of the same cycle, side, positions, reading
+/// and time; a notice says which. Without a clock or a second cycle a machine may have come again and shown the same.
 pub(crate) fn keep_rows_given_once(verification: &mut Verification) -> Option<String> {
     let readings = &verification.readings;
     let timed = are_timed(readings);

@@ -1,4 +1,4 @@
-//! A reading that is left out, and how that is said.
+//! A reading that is left out, and the notice of it.
 
 use trueaxis_campaign::Verification;
 
@@ -8,9 +8,9 @@ use crate::Rejected;
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Contradicts {
     All,
-    /// All other stops, with the other readings of its own.
+    /// All other stops, as do the other readings of its own stop.
     OtherStops,
-    /// The other one of its position and side, which is left out, too.
+    /// The other reading at its position and side, which is left out, too.
     TheOther,
     ItsStop,
 }
@@ -31,7 +31,7 @@ impl Contradicts {
         }
     }
 
-    /// What follows "is off by … against" in a notice.
+    /// The words after "is off by … against" in a notice.
     pub(crate) fn against(self) -> &'static str {
         match self {
             Self::All => "all others and was left out",

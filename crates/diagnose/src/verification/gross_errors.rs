@@ -1,14 +1,14 @@
-//! Readings that contradict all others, as a slip of the pen does, or two in a row.
+//! Readings that contradict all others, such as a slip of the pen, or two consecutive ones.
 //!
 //! Against the model that leaves nothing but scatter (each position and side has a mean, each pass an offset,
-//! [`scatter`]) every arrival, and every two that follow each other, are tested with the residuals of the others
-//! ([`Tested`]), those that stand out most first (externally studentised residuals; Cook and Weisberg 1982, ch. 2). Two in a row are tested
-//! together because each hides the other. Slips of one size hide each other wherever they stand, so the search goes on after one that
-//! is not clear, and what came before the last clear one counts, too (Rosner 1983, generalised extreme studentised deviates). Each is
-//! then judged beside all others. Three in a row, more than a few, or those after which readings stay where they were are no slips but
-//! structure, and stay; so do those that other arrivals explain nearly as well. Of two readings of a position neither is told from the
-//! other, and both go: one of them is wrong, and what is left is in order. More than a few go if each stands alone and is plainly wrong
-//! ([`far_off`]); otherwise it is said that many are doubtful.
+//! [`scatter`]) every arrival, and every two consecutive ones, are tested with the residuals of the others
+//! ([`Tested`]), those that stand out most first (externally studentised residuals; Cook and Weisberg 1982, ch. 2).
+//! Two consecutive ones are tested together because each hides the other. Slips of one size hide each other wherever
+//! they are, so the search goes on after one that is not clear, and what came before the last clear one counts, too
+//! (Rosner 1983, generalised extreme studentised deviates). Each is then judged beside all others. Three consecutive
+//! ones, more than a few, or those after which readings stay there are structure and stay; so do those that other
+//! arrivals explain nearly as well. Of two readings at a position nothing shows which is wrong, and both go. More
+//! than a few go if each is alone and plainly wrong ([`far_off`]); otherwise a notice says that many are doubtful.
 
 use trueaxis_campaign::Verification;
 use trueaxis_selection::Projection;
@@ -21,39 +21,39 @@ use crate::verification::gross_error::{Contradicts, GrossError};
 use crate::verification::noise_floor::scatter;
 use crate::verification::tested::{Slip, Tested};
 
-/// Probability of leaving out anything of readings that are in order, for each file.
+/// Probability of leaving out anything from readings that are in order, for each file.
 pub(crate) const LEVEL: f64 = 1e-4;
 
-/// p-value of an arrival, among all only by chance or by others beside it, above which none is looked for behind it: of `k` slips of one
-/// size the first has `F > ν/k`, which is 16 where they are 3 % of readings that were repeated once.
+/// p-value of the arrival that stands out most, above which no others are sought behind it: of `k` slips of one size
+/// the first has `F > ν/k`, which is 16 where they are 3 % of readings that were repeated once.
 const HIDDEN: f64 = 1e-3;
 
-/// Part of the arrivals that may be slips, two in a row for one, and at least one.
+/// Most slips as a share of the arrivals, two consecutive ones counted as one, and at least one.
 pub(crate) const MOST: f64 = 0.03;
 
-/// Slips in a row, at most: more are structure.
+/// Most consecutive slips: more are structure.
 pub(crate) const MOST_IN_A_ROW: usize = 2;
 
-/// More than a few are slips all the same if each stands alone, as far off as this in standard uncertainties, and they are no more than
-/// one in ten.
+/// More than a few are slips all the same if each is alone, as far off as this in standard uncertainties, and they
+/// are at most one in ten.
 const PLAINLY: f64 = 20.0;
 const ONE_IN: usize = 10;
 
 /// With fewer, Student's limit is beyond anything.
 pub(crate) const LEAST_DEGREES_OF_FREEDOM: f64 = 5.0;
 
-/// Part of what the largest drop of the sum of squares is, from which another one is alike.
+/// Share of the largest drop of the sum of squares from which on another one is alike.
 const ALIKE: f64 = 0.81;
 
-/// Arrivals before and after a slip that say where the readings were and where they stay.
+/// Arrivals before and after a slip that show where the readings were and where they stay.
 const NEIGHBOURS: usize = 4;
 
-/// Part of what a slip is off by which the readings may stay off by.
+/// Share of a slip's error by which the readings may stay off.
 const STAYS: f64 = 0.5;
 
-/// Part of a slip's size by which the nearest readings may differ from those beyond them, where it is the first or last of a
-/// table. A warm-up falls most at its start, noise between two means of four is 0.7 of that of a reading, and a slip is eight of
-/// them.
+/// Share of a slip's size by which the nearest readings may differ from those beyond them, where it is the first or
+/// last of a table. A warm-up changes most at its start, noise between two means of four is 0.7 of that of a reading,
+/// and a slip is eight of them.
 pub(crate) const IS_ON_ITS_WAY: f64 = 0.33;
 
 /// The readings of a table that are gross errors, in its order.
@@ -86,7 +86,7 @@ pub(crate) fn gross_errors(
     }
     let without: Vec<usize> = found.iter().map(|slip| slip.arrival).collect();
     let off = off_um(comparison, &without);
-    // Whole stops at the start of a table may be a machine that warms up, at its end one that moved.
+    // Whole stops at the start of a table may be a warming machine, at its end one that moved.
     let is_start_or_end = |row: &[Slip]| {
         let are_stops = row
             .iter()
@@ -135,7 +135,7 @@ struct Screen<'a> {
 }
 
 impl Screen<'_> {
-    /// The arrivals that stand out, each beside all others, in their order; none if they are more than `most`.
+    /// The arrivals that stand out, each beside all others, in their order; `None` if they are more than `most`.
     fn found(&self, most: usize) -> Option<Vec<Slip>> {
         let mut left = self.model.clone();
         let mut taken: Vec<Slip> = Vec::new();
@@ -165,7 +165,7 @@ impl Screen<'_> {
         Some(judged.flatten().collect())
     }
 
-    /// Those that are far off, if each is plainly wrong and none follows another.
+    /// Those that are far off, if each is plainly wrong and no two are consecutive.
     fn isolated(&self, far: &[(usize, f64)]) -> Option<Vec<Slip>> {
         let arrivals: Vec<usize> = far.iter().map(|(arrival, _)| *arrival).collect();
         let are_few = ONE_IN * arrivals.len() <= self.comparison.arrivals.len();
@@ -179,8 +179,8 @@ impl Screen<'_> {
         slips.iter().all(is_plain).then_some(slips)
     }
 
-    /// The arrivals in their order. Beside the offset of their pass, two that are wrong of three or four are the others that are wrong
-    /// the other way: those two, if the means of their positions say so.
+    /// The arrivals in their order. Beside the offset of their pass, two wrong ones of three or four look like the
+    /// others being wrong the other way: then those two, if the means of their positions say so.
     fn culprits(&self, slips: &[Slip]) -> Vec<usize> {
         let mut arrivals: Vec<usize> = slips.iter().map(|slip| slip.arrival).collect();
         let off = off_um(self.comparison, &arrivals);
@@ -209,7 +209,7 @@ impl Screen<'_> {
         tested.ln_p < (LEVEL / self.comparison.arrivals.len() as f64).ln()
     }
 
-    /// All that many arrivals in a row, those that stand out most first.
+    /// All runs of this many consecutive arrivals, those that stand out most first.
     fn tested(&self, left: &Projection, length: usize) -> Vec<Tested> {
         let all = (0..=self.comparison.arrivals.len() - length).filter_map(|first| {
             let arrivals: Vec<usize> = (first..first + length).collect();
@@ -220,7 +220,7 @@ impl Screen<'_> {
         all
     }
 
-    /// The arrival, or the two in a row, that stand out most, if others may be behind it.
+    /// The arrival, or the two consecutive ones, that stand out most, if others may be behind it.
     fn largest(&self, left: &Projection) -> Option<Tested> {
         if left.degrees_of_freedom - 2.0 < LEAST_DEGREES_OF_FREEDOM {
             return None;
@@ -236,8 +236,8 @@ impl Screen<'_> {
         }
     }
 
-    /// What other arrivals explain nearly as much beside all others that stand out (`found`): which of them are wrong only
-    /// how far they are `off` the means of their positions can tell then. None if they cannot be tested.
+    /// Other arrivals that explain nearly as much beside all others that stand out (`found`): only how far they are
+    /// `off` the means of their positions can then show which are wrong. `None` if they cannot be tested.
     fn rivals(&self, row: &[Slip], off: &[Option<f64>], found: &[usize]) -> Option<Vec<Tested>> {
         let is_of_row = |arrival: usize| row.iter().any(|own| own.arrival == arrival);
         let is_own = |slip: &Slip| is_of_row(slip.arrival);
@@ -257,7 +257,7 @@ impl Screen<'_> {
         Some(all)
     }
 
-    /// Whether positions were read by these alone from their side, twice each: nothing then tells which of the two is wrong.
+    /// Whether positions were read only by these from their side, twice each: then nothing shows which is wrong.
     fn are_all_of_a_cell(&self, row: &[Slip], other: &Tested) -> bool {
         let cells = cells(self.comparison);
         let sizes = sizes(&cells);
@@ -273,7 +273,7 @@ impl Screen<'_> {
     }
 }
 
-/// Mean error of slips, without sign.
+/// Mean absolute error of slips.
 fn size_um(slips: &[Slip]) -> f64 {
     let errors = slips.iter().map(|slip| slip.error_um.abs());
     errors.sum::<f64>() / slips.len() as f64
@@ -289,9 +289,9 @@ fn beside(model: &Projection, arrivals: &[usize]) -> Projection {
     model.extended(&own.collect::<Vec<Vec<f64>>>())
 }
 
-/// Whether the readings after a slip, or two in a row, stay where those were, or were there before. At the end of a table, where none
-/// are on one side, whether the nearest on the other are on their way: then it is the end of a warm-up or of a drift. `off` is how far
-/// each is off the mean of its position; what was `found` to stand out says nothing of it.
+/// Whether the readings after a slip, or two consecutive ones, stay there, or were there before. At an end of the
+/// table, where none are on one side, whether the nearest on the other approach it: then it is the end of a warm-up
+/// or of a drift. `off` is how far each is off the mean of its position; what was `found` to stand out is ignored.
 fn is_jump(row: &[Slip], off: &[Option<f64>], found: &[usize]) -> bool {
     let ([first, ..], [.., last]) = (row, row) else {
         return false;
@@ -316,8 +316,8 @@ fn is_jump(row: &[Slip], off: &[Option<f64>], found: &[usize]) -> bool {
     }
 }
 
-/// How far each arrival is off the mean of the others at its position and side, µm; none where there is no other. Arrivals `without`
-/// are in no mean.
+/// How far each arrival is off the mean of the others at its position and side, µm; `None` where there is no other.
+/// Arrivals `without` are in no mean.
 fn off_um(comparison: &Comparison<'_>, without: &[usize]) -> Vec<Option<f64>> {
     let cells = cells(comparison);
     let off = |row: usize| {

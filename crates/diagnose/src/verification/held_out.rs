@@ -1,18 +1,18 @@
 //! How well a model predicts readings that it was not fitted to.
 //!
-//! Each pass (cycle and direction) is cut into five blocks of neighbouring stops; fold k leaves out
-//! block k of the first pass, block k - 1 of the second and so on. So what is left out is next to
-//! nothing that is left in, and yet every cycle, direction and position is known from the rest: a warm-up
-//! that is over after the first cycle could not be predicted from the others. The errors of prediction
-//! of the readings of a fold follow from the projection of all ([`LeftOut`]). Shapes are chosen anew on the rest of each fold;
-//! which effects there are is known from all data. Between instants that all lie in what is left out the rest cannot choose: the
-//! readings there on which they differ are not predicted, else rounding would decide whether a jump helps.
+//! Each pass (cycle and direction) is cut into five blocks of neighbouring stops; fold k leaves out block k of the
+//! first pass, block k - 1 of the second and so on. So what is left out has hardly any neighbours in the fit, and yet
+//! every cycle, direction and position is known from the rest: a warm-up that is over after the first cycle could not
+//! be predicted from the others. The prediction errors of the readings of a fold follow from the projection of all
+//! ([`LeftOut`]). Shapes are chosen anew on the rest of each fold; which effects there are is known from all data. Where
+//! several instants are equal for the rest, since all of them lie in what is left out, the readings on which they differ
+//! are not predicted: rounding would choose one of them.
 //!
-//! With a calibration the prediction is taken as it is: unknowns for its errors would learn from the other
-//! cycles what the calibration did not know.
+//! With a calibration the prediction is taken as it is: unknowns for its errors would learn from the other cycles
+//! what the calibration did not know.
 //!
-//! The interval of a ratio of rms is that of a bootstrap over these blocks, which keeps what neighbours
-//! have in common. Whole passes would be too few: an effect of one pass is in one draw in three not there.
+//! The interval of a ratio of rms comes from a bootstrap over these blocks, which keeps what neighbours have in
+//! common. Whole passes would be too few: an effect of one pass is missing from one draw in three.
 
 use trueaxis_selection::Projection;
 
@@ -25,17 +25,17 @@ use crate::verification::left_out::LeftOut;
 use crate::verification::problem::Problem;
 
 const DRAWS: usize = 2000;
-
-/// Relative difference of squares that is rounding.
-const EQUAL: f64 = 1e-9;
 const SEED: u64 = 0x6865_6c64_5f6f_7574;
 
-/// Errors of prediction of the readings, in standard deviations of an arrival.
+/// Relative difference of squares that may be rounding.
+const EQUAL: f64 = 1e-9;
+
+/// Prediction errors of the readings, in standard deviations of an arrival.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct HeldOut {
-    /// For each reading, where it can be predicted without its fold.
+    /// For each reading; `None` where it cannot be predicted without its fold.
     pub(crate) errors: Vec<Option<f64>>,
-    /// What their squares are expected to be from noise alone.
+    /// Expectation of their squares from noise alone.
     pub(crate) expected: Vec<f64>,
 }
 
@@ -49,7 +49,7 @@ pub(crate) fn folds(comparison: &Comparison<'_>) -> [Vec<usize>; FOLDS] {
     folds
 }
 
-/// Each pass cut into as many blocks as there are folds; the number of that of each reading.
+/// Each pass cut into as many blocks as there are folds; the number of the block of each reading.
 pub(crate) fn pass_blocks(comparison: &Comparison<'_>) -> Vec<usize> {
     let mut numbers = Vec::new();
     for (pass, rows) in comparison.passes.chunk_by(|a, b| a == b).enumerate() {
@@ -121,7 +121,7 @@ pub(crate) fn other_shapes(candidate: &Candidate<'_>, shape: f64) -> impl Iterat
 }
 
 impl HeldOut {
-    /// Root mean square, standard deviations; none if nothing could be held out.
+    /// Root mean square, standard deviations; `None` if nothing could be held out.
     pub(crate) fn rms(&self) -> Option<f64> {
         let squares: Vec<f64> = self.errors.iter().flatten().map(|e| e * e).collect();
         (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
@@ -136,7 +136,7 @@ pub(crate) struct BoundedGain {
     pub(crate) upper_bound: f64,
 }
 
-/// What causes gain on readings that the models were not fitted to: `after` against `before`.
+/// The gain of causes on readings that the models were not fitted to: `after` against `before`.
 pub(crate) fn gain(
     problem: &Problem<'_>,
     before: &HeldOut,
@@ -154,7 +154,7 @@ pub(crate) fn gain(
     gain_of_blocks(&sums)
 }
 
-/// The same from the squares of each block of readings: before, after, and those expected of noise alone.
+/// The same from the squares of each block of readings: before, after, and expected from noise alone.
 pub(crate) fn gain_of_blocks(sums: &[[f64; 3]]) -> Option<BoundedGain> {
     let total = |k: usize| sums.iter().map(|s| s[k]).sum::<f64>();
     let (before, after, noise) = (total(0), total(1), total(2));
@@ -181,7 +181,7 @@ pub(crate) fn gain_of_blocks(sums: &[[f64; 3]]) -> Option<BoundedGain> {
     })
 }
 
-/// What one cause gains beside the others.
+/// The gain of one cause beside the others.
 pub(crate) fn gain_of(problem: &Problem<'_>, causes: &[Chosen], k: usize) -> Option<BoundedGain> {
     let before = held_out(problem, &without(causes, k));
     gain(problem, &before, &held_out(problem, causes))

@@ -19,35 +19,35 @@ use crate::verification::one_side;
 use crate::verification::order::goes_against_its_sides;
 use crate::verification::whitening::Whitening;
 
-/// Time constants that are tried, in equal ratios.
+/// Number of time constants tried, in equal ratios.
 const TIME_CONSTANTS: i32 = 16;
 
-/// Readings within a time constant: fewer do not tell it from a slip.
+/// Fewest readings within a time constant: fewer do not distinguish it from a slip.
 const LEAST_READINGS: f64 = 3.0;
 
-/// Arrivals on either side of an instant, at least (a quarter of all, if that is less).
+/// Fewest arrivals on either side of an instant (a quarter of all, if that is less).
 const LEAST_ARRIVALS: usize = 3;
 
-/// Of a bar at least one in so many of all arrivals is on either side.
+/// For a bar at least one in this many of all arrivals must be on either side.
 const PARTS_OF_A_CIRCLE: usize = 20;
 
-/// Instants that are tried at most.
+/// Most instants that are tried.
 const INSTANTS: usize = 100;
 
-/// Stops on either side of an instant in which it may be, too: what is farther off fits so much worse, unless hardly anything shows.
+/// Stops on either side of an instant to which it may still move: farther off it fits much worse, unless hardly seen.
 const GAPS_NEARBY: usize = 60;
 
-/// Steps of the wave number in waves over the range: a sixteenth of a wave more or less leaves 98.7 % of the squares of a sine
-/// explained, `(sin x/x)²` for `x = π/16`.
+/// Steps of the wave number in waves over the range: a sixteenth of a wave more or less leaves 98.7 % of the squares
+/// of a sine explained, `(sin x/x)²` for `x = π/16`.
 const WAVE_STEP: f64 = 0.125;
 
-/// Steps of the wave number of the longest period, half the range: what does not come back is a step, a slope or a bow.
+/// Steps of the wave number of the longest period, half the range: what does not repeat is a step, a slope or a bow.
 const FEWEST_STEPS: u32 = 16;
 
-/// Steps of the wave number that are tried at most, so that the grid takes no time worth mentioning.
+/// Most steps of the wave number that are tried, so that the grid takes no time worth mentioning.
 const MOST_STEPS: u32 = 400;
 
-/// Whole waves per turn that are tried at most.
+/// Most whole waves per turn that are tried.
 const MOST_PER_TURN: u32 = 12;
 
 /// Every effect of this level on every subject that moves.
@@ -58,7 +58,7 @@ pub(crate) fn candidates<'a>(
 ) -> Vec<Candidate<'a>> {
     let mut all = Vec::new();
     let readings: usize = comparison.arrivals.iter().map(|a| a.readings).sum();
-    // Nothing tells then when the axis went which way.
+    // Then nothing shows when the axis went which way.
     let are_sides_in_doubt =
         goes_against_its_sides(comparison) || one_side::doubt(comparison).is_some();
     for &effect in catalogue() {
@@ -71,7 +71,7 @@ pub(crate) fn candidates<'a>(
             ..scene.clone()
         };
         if effect == CROSS_COUPLING {
-            // An axis that stands, but elsewhere than in the calibration, is coupled as one that moves.
+            // An axis that stands, but elsewhere than in the calibration, is coupled like one that moves.
             scene.moving.extend(&comparison.parked_elsewhere);
         } else if effect == BACKLASH {
             // An axis that came to its one position from both sides does not stand, either.
@@ -151,8 +151,8 @@ pub(crate) fn candidates<'a>(
     all
 }
 
-/// Whether a component error is looked for. A single point does not tell an angle from a displacement:
-/// a line shows the motion of the axis along itself, a ball bar displacements.
+/// Whether a component error is sought. A single point does not distinguish an angle from a displacement: a line
+/// shows the motion of the axis along itself, a ball bar displacements.
 fn is_seen(comparison: &Comparison<'_>, subject: &Subject) -> bool {
     let (Some(axis), Some(component)) = (subject.axis, subject.component) else {
         return true;
@@ -179,8 +179,8 @@ fn is_half_turned(comparison: &Comparison<'_>, subject: &Subject) -> bool {
     range.is_some_and(|[range, _]| range > PI * (1.0 - ROUNDING))
 }
 
-/// Whether an effect is anything but lost motion of an axis that came from one side only: then nothing tells it from a function
-/// of the position.
+/// Whether an effect is anything but lost motion of an axis that came from one side only: this cannot be separated
+/// from a function of the position.
 pub(crate) fn is_of_both_sides(
     comparison: &Comparison<'_>,
     effect: &Effect,
@@ -190,7 +190,7 @@ pub(crate) fn is_of_both_sides(
     axis.is_none_or(|axis| comes_from_both_sides(comparison, axis))
 }
 
-/// Whether an axis came from either side.
+/// Whether an axis came from both sides.
 pub(crate) fn comes_from_both_sides(comparison: &Comparison<'_>, axis: usize) -> bool {
     let sides = || comparison.arrivals.iter().map(|a| a.sides[axis]);
     sides().any(|side| side > 0.0) && sides().any(|side| side < 0.0)
@@ -220,12 +220,12 @@ fn shapes(comparison: &Comparison<'_>, shape: Shape, subject: &Subject) -> Vec<f
     }
 }
 
-/// Between two readings each, in the middle of which an instant is tried: not where fewer than three arrivals are on one side,
-/// which show nothing that stays.
+/// Intervals between two readings, in the middle of which an instant is tried: not where fewer than three arrivals
+/// are on one side, which show nothing that stays.
 fn gaps_s(comparison: &Comparison<'_>) -> Vec<[f64; 2]> {
     let mut arrivals: Vec<&Arrival> = comparison.arrivals.iter().collect();
     arrivals.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-    // What a bar moves by is told by a part of its circle.
+    // Part of the circle determines what a bar moves by.
     let least = match comparison.line() {
         Some(_) => LEAST_ARRIVALS,
         None => LEAST_ARRIVALS.max(arrivals.len() / PARTS_OF_A_CIRCLE),
@@ -245,7 +245,7 @@ fn gaps_s(comparison: &Comparison<'_>) -> Vec<[f64; 2]> {
     between.filter(is_inside).collect()
 }
 
-/// Whether a shape may have any value between two of its list; waves of a turn are whole, and instants lie between two readings.
+/// Whether a shape may have any value between two of its list; not whole waves per turn, nor instants.
 pub(crate) fn is_continuous(shape: Shape) -> bool {
     matches!(
         shape,
@@ -253,7 +253,7 @@ pub(crate) fn is_continuous(shape: Shape) -> bool {
     )
 }
 
-/// Periods from two steps, the shortest that equal steps tell from a longer one, to half the range of the axis.
+/// Periods from two steps, the shortest that equal steps distinguish from a longer one, to half the range.
 fn periods(comparison: &Comparison<'_>, subject: &Subject) -> Vec<f64> {
     let Some((range, most)) = most_waves(comparison, subject) else {
         return Vec::new();
@@ -265,8 +265,8 @@ fn periods(comparison: &Comparison<'_>, subject: &Subject) -> Vec<f64> {
     waves.map(|waves| range / waves).collect()
 }
 
-/// The shortest period whose sine and cosine the positions tell from each other: a step of the wave number longer than two steps,
-/// where the worse one of the two still reaches seven tenths of its size.
+/// The shortest period whose sine and cosine the positions distinguish: a step of the wave number longer than two
+/// steps, where the worse one of the two still reaches seven tenths of its size.
 fn shortest_told(comparison: &Comparison<'_>, subject: &Subject) -> f64 {
     most_waves(comparison, subject).map_or(f64::NEG_INFINITY, |(range, most)| {
         range / (most - WAVE_STEP) * (1.0 - ROUNDING)
@@ -279,7 +279,7 @@ fn most_waves(comparison: &Comparison<'_>, subject: &Subject) -> Option<(f64, f6
     Some((range, 0.5 * range / step))
 }
 
-/// Of a quotient of positions.
+/// Rounding error of a quotient of positions.
 const ROUNDING: f64 = 1e-9;
 
 /// Range of the commanded positions of an axis and the typical step between neighbours.

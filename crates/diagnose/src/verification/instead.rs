@@ -1,5 +1,5 @@
-//! What explains as much in another form: on a circle away from where the axes were parked a coupling is nearly squareness and scale, and
-//! beside what goes with time lost motion that changes along the axis is nearly a constant one beside something else that does.
+//! What explains as much in another form: on a circle away from where the axes were parked a coupling is nearly
+//! squareness and scale, and changing lost motion with one cause in time is nearly constant with another.
 
 use trueaxis_effects::{BACKLASH, POSITION_DEPENDENT_BACKLASH};
 use trueaxis_selection::{DECISIVE, Score};
@@ -8,10 +8,10 @@ use crate::engine::{Candidate, Chosen, without};
 use crate::verification::model::{Model, evidence, has, is_coupling, is_left, of_causes};
 use crate::verification::problem::Problem;
 
-/// Effects that are tried, those with the most evidence.
+/// Most effects that are tried, those with the most evidence.
 const MOST: usize = 4;
 
-/// Effects of one parameter, or pairs of them, that explain as much as a coupling in their place, significant or not.
+/// Effects of one parameter, or pairs of them, that explain as much as a coupling in its place, significant or not.
 pub(crate) fn simple_instead(plain: &Problem<'_>, best: &Model<'_>, most: f64) -> Vec<Vec<Chosen>> {
     let coupling = |cause: &Chosen| is_coupling(plain, cause.candidate);
     let Some(coupling) = best.causes.iter().position(coupling) else {
@@ -29,7 +29,7 @@ pub(crate) fn simple_instead(plain: &Problem<'_>, best: &Model<'_>, most: f64) -
     as_good(plain, &others, ones.chain(pairs), most)
 }
 
-/// Constant lost motion beside something that goes with time, in place of one that changes along the axis beside something else that does.
+/// Constant lost motion in place of lost motion that changes along the axis, each beside something in time.
 pub(crate) fn constant_instead(
     plain: &Problem<'_>,
     best: &Model<'_>,
@@ -68,7 +68,7 @@ pub(crate) fn constant_instead(
     as_good(plain, &others, pairs, most)
 }
 
-/// Those that explain all with nearly as much evidence in place of causes that are not among the others; none that holds a smaller one.
+/// Those that explain everything with nearly as much evidence instead of other causes; none that holds a smaller one.
 fn as_good(
     plain: &Problem<'_>,
     others: &[Chosen],

@@ -1,4 +1,4 @@
-//! A cause that several series have in common, as the outcome says it: once, with all its data.
+//! A cause common to several series, as the outcome states it: once, with all its data.
 
 use trueaxis_effects::{Level, Scene};
 
@@ -11,8 +11,8 @@ use crate::verification::stack::Stack;
 use crate::verification::together::Shared;
 use crate::{Cause, Fitted};
 
-/// With the size that the series of these numbers have in common, from observations of this variance; what each shows of it is to
-/// be filled in ([`join`]).
+/// With the size common to the series with these numbers, from observations of this variance; what each shows of it
+/// is still to be filled in ([`join`]).
 pub(crate) fn joint_cause(
     stack: &Stack<'_>,
     scene: &Scene,
@@ -44,7 +44,7 @@ pub(crate) fn joint_cause(
     })
 }
 
-/// Puts each shared cause into the entries of all series that show it, in place of what each says of it.
+/// Puts each shared cause into the entries of all series that show it, in place of each series' own statement.
 pub(crate) fn join(entries: &mut [Entry], shared: &[Shared], all: &[Series<'_>]) {
     for shared in shared {
         let place = |number: usize| {
@@ -57,7 +57,7 @@ pub(crate) fn join(entries: &mut [Entry], shared: &[Shared], all: &[Series<'_>])
         if places.len() < 2 {
             continue;
         }
-        // Over those that show it, of values with their weights.
+        // Mean over those that show it, of values with their weights.
         let mean = |of: &dyn Fn(usize, usize) -> [f64; 2]| {
             let all = places.iter().map(|&(number, k)| of(number, k));
             let [sum, weights] = all.fold([0.0; 2], |[sum, weights], [x, w]| {

@@ -1,25 +1,25 @@
 //! Readings that are left out, predicted by the rest without a further adjustment.
 //!
-//! With `T` the orthonormal columns of a model and `e` what it leaves of an observation vector, the errors of prediction of the
-//! readings `h` are
+//! With `T` the orthonormal columns of a model and `e` what it leaves of an observation vector, the prediction errors
+//! of the readings `h` are
 //!
 //! ```text
 //! y_h - ŷ_h = (I - T_h T_hᵀ)⁻¹ e_h = e_h + T_h (I - T_hᵀ T_h)⁻¹ T_hᵀ e_h
 //! ```
 //!
-//! exactly as if the model had been fitted to the rest. Readings whose prediction would need unknowns that only they determine
-//! have none.
+//! exactly as if the model had been fitted to the rest. Readings whose prediction would need unknowns that only they
+//! determine have none.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use trueaxis_selection::Projection;
 
-/// Part of an unknown that the rest must determine.
+/// Least share of an unknown that the rest must determine.
 const DETERMINED: f64 = 1e-8;
 
 /// A model without some of its rows.
 pub(crate) struct LeftOut {
     pub(crate) rows: Vec<usize>,
-    /// `T_h` along the eigenvectors of `I - T_hᵀ T_h` that the rest determines, with their eigenvalues, and along the others.
+    /// `T_h` along eigenvectors of `I - T_hᵀ T_h` that the rest determines, and their eigenvalues; then along others.
     along: Vec<(DVector<f64>, f64)>,
     only_here: Vec<(DVector<f64>, f64)>,
 }
@@ -40,7 +40,7 @@ impl LeftOut {
         }
     }
 
-    /// Errors of prediction of what the model leaves of a vector over all rows (its projection).
+    /// Prediction errors from what the model leaves of a vector over all rows (its projection).
     pub(crate) fn errors(&self, projected: &[f64]) -> Vec<f64> {
         let e: Vec<f64> = self.rows.iter().map(|&row| projected[row]).collect();
         let mut errors = e.clone();
@@ -53,13 +53,13 @@ impl LeftOut {
         errors
     }
 
-    /// What the rows add to the inner product of two projected vectors, one of them given by its errors of prediction.
+    /// Part of the rows in the inner product of two projected vectors, one of them given by its prediction errors.
     pub(crate) fn product(&self, errors: &[f64], projected: &[f64]) -> f64 {
         let rows = self.rows.iter().zip(errors);
         rows.map(|(&row, error)| error * projected[row]).sum()
     }
 
-    /// The errors of those rows that the rest predicts.
+    /// The errors of those rows that the rest predicts; `None` for the others.
     pub(crate) fn determined(&self, errors: Vec<f64>) -> Vec<Option<f64>> {
         let is_determined = |i: usize| {
             let mut only_here = self.only_here.iter();

@@ -1,11 +1,11 @@
-//! Lost motion as a free function of the position: a worn screw, a belt or a control's window follow no straight line.
+//! Lost motion as a free function of the position: worn screws, belts and controls' windows follow no straight line.
 //!
 //! ```text
 //! b(q) = mean + slope (q - q_mid) + Σ c_k r_k(q)
 //! ```
 //!
-//! `r_k` is the half wave `cos kπx`, `k = 2, 3, …`, over the range of the positions, less its regression on the first two: mean and
-//! slope keep their meaning. How many waves there are is the shape of the hypothesis; they cost it their rank.
+//! `r_k` is the half wave `cos kπx`, `k = 2, 3, …`, over the range of the positions, less its regression on the first
+//! two terms, so that these keep their meaning. The number of waves is the shape, and their rank is its cost.
 
 use nalgebra::{DMatrix, DVector};
 use trueaxis_effects::POSITION_DEPENDENT_BACKLASH;
@@ -19,15 +19,15 @@ use crate::verification::comparison::Comparison;
 use crate::verification::problem::Problem;
 use crate::{CurvePoint, EstimatedParameter};
 
-/// Half waves beside mean and slope up to which each number is tried: of a smooth function.
+/// Half waves beside mean and slope up to which each number is tried: a smooth function.
 const SMOOTH: usize = 6;
 
-/// Half waves at most: above that many positions a function that has a value of its own at each of them is not tried. Time grows with their
-/// third power.
+/// Most half waves: with more positions than that a function with a value of its own at each of them is not tried.
+/// Time grows with the third power of their number.
 const MOST_WAVES: usize = 40;
 
-/// The numbers of waves beside mean and slope that are tried on a line: up to as many as the positions that were reached from both sides
-/// determine, so that a function that is anything at each of them is among them, as far as the repeats tell it from noise.
+/// The numbers of waves beside mean and slope tried on a line: up to as many as the positions reached from both sides
+/// determine, so with any value at each of them, as far as the repeats distinguish it from noise.
 pub(crate) fn numbers_of_waves(comparison: &Comparison<'_>) -> Vec<usize> {
     let both = reached_from_both_sides(comparison).len();
     let freedom = comparison.arrivals.len() - count(&places(comparison));
@@ -51,8 +51,8 @@ pub(crate) fn reached_from_both_sides(comparison: &Comparison<'_>) -> Vec<usize>
         .collect()
 }
 
-/// By how much the sides of a line differ beside causes, and the most that a drive in use has, µm or arcsec, where that is less: no
-/// lost motion then, but what turns round with the axis does not go with time, either.
+/// The difference of the sides of a line beside causes, and the most lost motion of a drive in use, µm or arcsec,
+/// where that is less: then it is no lost motion, but what reverses with the axis does not go with time, either.
 pub(crate) fn beyond_drives(problem: &Problem<'_>, causes: &[Chosen]) -> Option<[f64; 2]> {
     let axis = problem.comparison.line()?;
     let model = problem.listed.with(causes);
@@ -77,11 +77,11 @@ pub(crate) fn beyond_drives(problem: &Problem<'_>, causes: &[Chosen]) -> Option<
     forms.find_map(beyond)
 }
 
-/// Mean and slope whose columns differ by less than this part do the same to the readings.
+/// Mean and slope whose columns differ by less than this share have the same effect on the readings.
 const PROPORTIONAL: f64 = 1e-12;
 
-/// The columns of a number of waves: what a unit of lost motion does to each reading times `r_k` there. `straight` are those of a unit
-/// of its mean and of its slope.
+/// The columns of a number of waves: the change of each reading by a unit of lost motion times `r_k` there.
+/// `straight` are those of a unit of its mean and of its slope.
 pub(crate) fn waves(
     comparison: &Comparison<'_>,
     [of_unit, of_slope]: &[Vec<f64>; 2],
@@ -106,8 +106,8 @@ pub(crate) fn waves(
         .collect()
 }
 
-/// At the positions that are reached from both sides what a unit of each parameter is of the lost motion there; `columns` are what it
-/// does to the readings, the first that of a unit everywhere.
+/// At the positions reached from both sides the lost motion there for a unit of each parameter; `columns` are the
+/// changes of the readings, the first for a unit everywhere.
 pub(crate) fn sizes(comparison: &Comparison<'_>, columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
     // Where the measured point lies on a rotary axis it shows no lost motion.
     let rows = reached_from_both_sides(comparison).into_iter();
@@ -116,8 +116,8 @@ pub(crate) fn sizes(comparison: &Comparison<'_>, columns: &[Vec<f64>]) -> Vec<Ve
     rows.map(size).collect()
 }
 
-/// The positions at which readings show how lost motion changes along their linear axis, those reached from both sides, with its
-/// [`sizes`] there.
+/// The positions at which readings show how lost motion changes along their linear axis, those reached from both
+/// sides, with its [`sizes`] there.
 pub(crate) fn shown_along<'c>(
     comparison: &Comparison<'_>,
     cause: &'c Candidate<'_>,
@@ -137,8 +137,8 @@ pub(crate) fn shown_along<'c>(
     positions.zip(cause.sizes.iter().map(Vec::as_slice))
 }
 
-/// The function at some positions ([`sizes`]), and its mean over these, the opposite of the mean reversal value of ISO 230-2: `fit` is
-/// that of the cause, for observations of this variance. Nothing without positions.
+/// The function at some positions ([`sizes`]), and its mean over these, the opposite of the mean reversal value of
+/// ISO 230-2: `fit` is that of the cause, for observations of this variance. Nothing without positions.
 pub(crate) fn curve(
     shown: &[(f64, &[f64])],
     fit: &Fit,

@@ -1,4 +1,4 @@
-//! A model of readings: causes, and what wanders beside them.
+//! A model of readings: causes, and disturbances beside them.
 
 use trueaxis_effects::CROSS_COUPLING;
 use trueaxis_selection::DECISIVE;
@@ -8,17 +8,17 @@ use crate::verification::omnibus::omnibus;
 use crate::verification::problem::Problem;
 use crate::verification::wandering::FittedProcess;
 
-/// Causes, and what wanders beside them.
+/// Causes, and disturbances beside them.
 pub(crate) struct Model<'a> {
-    /// The readings, what wanders in their covariance.
+    /// The readings, with the disturbances in their covariance.
     pub(crate) problem: Problem<'a>,
     pub(crate) wandering: Vec<FittedProcess>,
     pub(crate) causes: Vec<Chosen>,
-    /// Others that explain all with nearly as much evidence.
+    /// Other causes that explain everything with nearly as much evidence.
     pub(crate) as_good: Vec<Vec<Chosen>>,
 }
 
-/// Only what wanders.
+/// Only disturbances.
 pub(crate) fn only<'a>(plain: &Problem<'a>, wandering: Vec<FittedProcess>) -> Model<'a> {
     Model {
         problem: plain.beside(&wandering),
@@ -53,7 +53,7 @@ pub(crate) fn is_left(model: &Model<'_>) -> bool {
     tests.iter().any(|t| t.test.p_value < model.problem.level)
 }
 
-/// Twice the logarithm of the marginal likelihood ratio against the model without anything, less what names cost.
+/// Twice the logarithm of the marginal likelihood ratio against the model without anything, less the cost of names.
 pub(crate) fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
     let mut sum = 0.0;
     let mut projection = plain.listed.base.clone();

@@ -1,15 +1,15 @@
 //! The noise of one arrival, from what repeats do not reproduce.
 //!
-//! Pure error: readings at the same commanded positions in the same direction, against their mean. What
-//! moves from cycle to cycle is an effect, not noise, and must not hide in the floor; so each pass (cycle
-//! and direction) is first allowed an offset and a slope of its own (a ball bar: a set-up of its own):
+//! Pure error: readings at the same commanded positions in the same direction, against their mean. What moves from
+//! cycle to cycle is an effect, not noise, and must not hide in the floor; so each pass (cycle and direction) first
+//! has an offset and a slope of its own (a ball bar: a set-up of its own):
 //!
 //! ```text
 //! y = μ(positions, direction) + a(pass) + b(pass) q + e      s² = Σ ê² / ν
 //! ```
 //!
-//! Cells and passes together are fitted by taking cell means out of both sides. What stays in `e`
-//! beside the noise is the bend of a drift within a pass.
+//! Cells and passes together are fitted by subtracting cell means from both sides. Beside the noise only the
+//! curvature of a drift within a pass stays in `e`.
 
 use trueaxis_campaign::VerificationKind;
 use trueaxis_selection::Projection;
@@ -42,15 +42,15 @@ pub(crate) fn noise_floor_um(comparison: &Comparison<'_>) -> Option<f64> {
         .then(|| (left.squares() / degrees_of_freedom).sqrt())
 }
 
-/// Readings at the same commanded positions in the same direction, in the mean.
+/// Mean number of readings at the same commanded positions in the same direction.
 pub(crate) fn repeats(comparison: &Comparison<'_>) -> f64 {
     let cells = count(&cells(comparison)).max(1);
     comparison.arrivals.len() as f64 / cells as f64
 }
 
 /// What repeats do not reproduce beyond an offset of each pass, with the model's projection; `None` without enough
-/// repeats. A slope of each pass would make all readings of a pass of three stops look alike, an offset those of a pass of two: where
-/// no pass is longer, as in a test of repeatability, there is none, and readings are seen against those of the other passes.
+/// repeats. An offset would make all readings of a pass of two stops look alike, as a slope those of one of three:
+/// where no pass is longer, as in a test of repeatability, passes have none and are compared as they are.
 pub(crate) fn scatter(comparison: &Comparison<'_>) -> Option<Projection> {
     let mut columns = indicators(&cells(comparison));
     let mut in_passes = sizes(&passes(comparison)).into_iter();

@@ -1,4 +1,4 @@
-//! Effects that a verification cannot show. They may be there all the same.
+//! Effects that a verification cannot show. They may be present all the same.
 
 use trueaxis_effects::{Effect, Parameter, Scene, Shape, Subject};
 use trueaxis_files::round;
@@ -12,7 +12,7 @@ use crate::verification::problem::Problem;
 /// Change of a reading by one unit of a parameter below which the effect does not reach it, µm.
 const REACHES_UM: f64 = 1e-9;
 
-/// All of a problem.
+/// All such effects of a problem.
 pub(crate) fn not_observable(
     problem: &Problem<'_>,
     scene: &Scene,
@@ -81,7 +81,7 @@ fn largest(
     largest.collect()
 }
 
-/// A periodic error is seen down to two steps only.
+/// Periods down to two steps are shown, shorter ones are not.
 fn too_short(
     problem: &Problem<'_>,
     scene: &Scene,

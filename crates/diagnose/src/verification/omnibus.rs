@@ -79,7 +79,7 @@ fn position_columns(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
     }
 }
 
-/// Sine and cosine of a multiple of something.
+/// Sine and cosine of multiples of values.
 fn wave(of: &[f64], multiple: f64) -> [Vec<f64>; 2] {
     [f64::sin, f64::cos].map(|f| of.iter().map(|x| f(multiple * x)).collect())
 }
@@ -98,10 +98,10 @@ pub(crate) fn omnibus(problem: &Problem<'_>, model: &Projection) -> Vec<Omnibus>
     tests
 }
 
-/// Below this a period is worth a word.
+/// p-value below which a period is stated.
 const STANDS_OUT: f64 = 0.01;
 
-/// The period in time that explains most, as text; none if the table is not longer than it.
+/// The period in time that explains most, as text; `None` if the table is not longer than it.
 fn period(problem: &Problem<'_>, model: &Projection) -> Option<String> {
     let arrivals = &problem.comparison.arrivals;
     let duration = arrivals.iter().map(|a| a.elapsed_s).fold(0.0, f64::max);
@@ -132,7 +132,7 @@ pub(crate) fn differs_by_cycle(problem: &Problem<'_>) -> bool {
 /// Passes from which on something repeats.
 const LEAST_PASSES: u32 = 3;
 
-/// Whether the period that explains most is a pass, or a cycle there and back: a function of position and side of approach has it.
+/// Whether the period that explains most is a pass or a whole cycle: a function of position and side has it.
 pub(crate) fn repeats_with_cycle(problem: &Problem<'_>, model: &Projection) -> bool {
     let passes = u32::try_from(count(&problem.comparison.passes)).unwrap_or(u32::MAX);
     let is_of_passes = |waves: u32| [waves, 2 * waves].contains(&passes);

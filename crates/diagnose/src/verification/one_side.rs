@@ -1,8 +1,8 @@
 //! Tables that name one side of approach although their axis went there and back.
 //!
-//! On the way back each position is read again, the one where the axis turned at once, the first one last. What drifts in between
-//! grows with that time (straight or bent: time and its square are in the model); lost motion is there from the first. Where it
-//! stands out of both, the way back came from the other side.
+//! On the way back each position is read again, the one where the axis turned at once, the first one last. What
+//! drifts in between grows with that time (straight or curved: time and its square are in the model); lost motion is
+//! there from the first. Where it stands out from both, the way back came from the other side.
 
 use std::collections::BTreeMap;
 
@@ -13,20 +13,20 @@ use crate::verification::arrivals::is_same;
 use crate::verification::base::stands;
 use crate::verification::comparison::Comparison;
 
-/// Positions that were read twice in a cycle, at least, and as part of all.
+/// Fewest positions read twice in a cycle, and least share of all.
 const LEAST_PAIRS: usize = 12;
 const MOST_OF_ALL: f64 = 2.0 / 3.0;
 
-/// On the way back the shortest time between the two is no longer than this part of the longest.
+/// On the way back the shortest time between the two is at most this share of the longest.
 const THERE_AND_BACK: f64 = 1.0 / 3.0;
 
 /// Probability of a doubt where there is no lost motion.
 const LEVEL: f64 = 1e-4;
 
-/// Size of the difference in standard deviations of a single one: any smaller one may be noise that is not white.
+/// Least difference in standard deviations of a single one: any smaller one may be noise that is not white.
 const PLAINLY: f64 = 3.0;
 
-/// What is to be said of a line whose rows name one side.
+/// A notice about a line whose rows name one side.
 pub(crate) fn doubt(comparison: &Comparison<'_>) -> Option<String> {
     comparison.line()?;
     let arrivals = &comparison.arrivals;

@@ -1,14 +1,14 @@
-//! What a common cause gains on readings that its size was not estimated from.
+//! The gain of a common cause on readings that its size was not estimated from.
 //!
-//! Each series alone may show too little of it to predict its own readings; the one size of all does. So a fold is left out of
-//! every series at once, and the size follows from the rest of all. With `x` what a unit of the cause does and `y` the readings,
-//! both in standard deviations, and `M` what the other causes of their series and what wanders leave, the rest has ([`LeftOut`])
+//! Each series alone may show too little of it to predict its own readings; the one size of all does. So a fold is
+//! left out of every series at once, and the size follows from the rest. With `x` the effect of a unit, `y` the
+//! readings, both in standard deviations, and `M` the projection of a series without this cause, it is ([`LeftOut`])
 //!
 //! ```text
 //! G = Σ (xᵀ M x - ε_xᵀ (M x)_h)   s = Σ (xᵀ M y - ε_xᵀ (M y)_h)   θ = G⁺ s
 //! ```
 //!
-//! summed over the series, and the errors of prediction are `ε_y - ε_x θ`. A shape is chosen anew on the rest of each fold.
+//! summed over the series; the prediction errors are `ε_y - ε_x θ`. A shape is chosen anew on the rest of each fold.
 
 use std::borrow::Cow;
 
@@ -31,11 +31,11 @@ struct Beside<'s> {
     y: Vec<f64>,
     /// For each shape a column for each parameter.
     x: Vec<Vec<Column>>,
-    /// Of each fold, what is left out.
+    /// For each fold, what is left out.
     folds: [LeftOut; FOLDS],
 }
 
-/// What a unit of a parameter does.
+/// Effect of a unit of a parameter.
 struct Column {
     whole: Vec<f64>,
     /// What the other causes leave of it.
@@ -49,7 +49,7 @@ struct Sized {
 }
 
 impl Stack<'_> {
-    /// What a cause with one size for all gains beside the others; `causes` are those of each series.
+    /// Gain of a cause with one size for all beside the others; `causes` are those of each series.
     pub(crate) fn gain_of(&self, cause: &Chosen, causes: &[Vec<Chosen>]) -> Option<BoundedGain> {
         let candidate = &self.listed.candidates[cause.candidate];
         let shapes = std::iter::once(cause.shape).chain(other_shapes(candidate, cause.shape));
@@ -99,7 +99,7 @@ impl Stack<'_> {
 }
 
 impl Beside<'_> {
-    /// The squares of each block of readings without the cause and with it; nothing is asked of noise.
+    /// The squares of each block of readings without the cause and with it; expected squares of noise are not needed.
     fn blocks(&self, sizes: &[Option<Sized>]) -> Vec<[f64; 3]> {
         let blocks = pass_blocks(self.series.plain.comparison);
         let mut sums = vec![[0.0; 3]; count(&blocks)];
@@ -125,7 +125,7 @@ impl Beside<'_> {
     }
 }
 
-/// The shape and size that explain most of the rest of a fold; none if the rest does not show it.
+/// The shape and size that explain most of the rest of a fold; `None` if the rest does not show it.
 fn sized(all: &[Beside<'_>], fold: usize) -> Option<Sized> {
     let shapes = all.first()?.x.len();
     let of_shape = |shape: usize| {

@@ -1,10 +1,10 @@
 //! The order of measuring.
 //!
-//! With a clock it is that of the clock, in whatever order the rows stand. Of a line without one the rows are taken in their order if
-//! cycle numbers fall for neither side and no pass goes against its side, or if they are a step cycle: position after position, each
-//! from either side in turn. Reports print tables by position or by side with the cycle fastest; there neighbouring rows lie a cycle
-//! apart in time, and what drifts cannot be told from lost motion. Such rows are put in the order of the standard test cycle of
-//! ISO 230-2: cycle by cycle, forward by rising position, then backward by falling.
+//! With a clock it is that of the clock, in whatever order the rows are. For a line without one the rows are taken in
+//! their order if cycle numbers fall for neither side and no pass goes against its side, or if they are a step cycle:
+//! position after position, each from either side in turn. Reports print tables by position or by side with the cycle
+//! fastest; there neighbouring rows are a cycle apart, and drifts look like lost motion. Such rows are put in the
+//! order of the standard test cycle of ISO 230-2: cycle by cycle, forward ascending, then backward.
 
 use std::cmp::Reverse;
 use std::collections::HashSet;
@@ -16,10 +16,10 @@ use crate::verification::arrivals::{are_timed, is_same};
 use crate::verification::base::{count, lines};
 use crate::verification::comparison::{Comparison, came_from, line};
 
-/// Positions that make a pass; fewer may have been approached one by one.
+/// Fewest positions of a pass; fewer may have been approached one by one.
 const A_PASS: usize = 3;
 
-/// Puts the readings in the order of measuring; a notice says where their own order does not tell it.
+/// Puts the readings in the order of measuring; a notice says where their own order does not show it.
 pub(crate) fn put_in_order(verification: &mut Verification) -> Option<String> {
     let timed = are_timed(&verification.readings);
     if timed {
@@ -68,7 +68,7 @@ pub(crate) fn put_in_order(verification: &mut Verification) -> Option<String> {
     Some(format!("{}: without time_s {said}", verification.name))
 }
 
-/// What the order of the rows of each line is.
+/// The order of the rows of each line.
 fn orders(rows: impl Iterator<Item = Stop>, lines: &[usize]) -> Vec<Order> {
     let found = by_line(rows, lines).into_iter().map(|mut stops| {
         stops.dedup_by(|a, b| a.is(b));
@@ -83,7 +83,7 @@ pub(crate) fn goes_against_its_sides(comparison: &Comparison<'_>) -> bool {
         && orders(stops(comparison), &lines(comparison)).contains(&Order::Exchanged)
 }
 
-/// Rows of one line that follow each other at one position from one side in one cycle.
+/// Consecutive rows of one line at one position from one side in one cycle.
 #[derive(Clone, Copy)]
 struct Stop {
     cycle: u32,
@@ -91,7 +91,7 @@ struct Stop {
     at: f64,
 }
 
-/// Those of each line in their order.
+/// The stops of each line in their order.
 fn by_line(stops: impl Iterator<Item = Stop>, lines: &[usize]) -> Vec<Vec<Stop>> {
     let mut of_lines = vec![Vec::new(); count(lines)];
     for (stop, &line) in stops.zip(lines) {
@@ -110,16 +110,16 @@ impl Stop {
     }
 }
 
-/// What the order of the rows of a line is; the later ones ask for more to be said.
+/// The order of the rows of a line; the later ones need more of a notice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Order {
     /// That of measuring.
     Measured,
-    /// Passes go against their side, not only on one of two: the sides may be exchanged.
+    /// Passes go against their side, but not all passes of only one side: the sides may be exchanged.
     Exchanged,
-    /// All passes of one side stand before those of the other.
+    /// All passes of one side are before those of the other.
     BySide,
-    /// Cycle numbers fall, and come again.
+    /// Cycle numbers fall, and appear again.
     Again,
     /// Not that of measuring.
     Printed,
@@ -132,7 +132,7 @@ impl Order {
         let falls_for_a_side = sides
             .iter()
             .any(|&side| !of(side).is_sorted_by_key(|stop| stop.cycle));
-        // Of each side whether its passes go with it.
+        // For each side whether its passes agree with it.
         let [forward, backward] = sides.map(|side| {
             let passes = stops.chunk_by(Stop::is_of_pass);
             let of_side = passes.filter(|pass| pass[0].direction == side);
@@ -160,7 +160,7 @@ impl Order {
         }
     }
 
-    /// What is to be said of it; nothing of the order of measuring.
+    /// The notice about it; `None` for the order of measuring.
     fn in_words(self) -> Option<&'static str> {
         match self {
             Self::Measured => None,
@@ -185,7 +185,7 @@ impl Order {
     }
 }
 
-/// Whether a pass goes up forward and down backward, or the other way round; none of what is no pass, or to and fro.
+/// Whether a pass goes up forward and down backward, or the other way round; `None` for too few stops or to and fro.
 fn goes_with_its_side(pass: &[Stop]) -> Option<bool> {
     let sign = f64::from(pass.first()?.direction.sign());
     let steps = || pass.windows(2).map(|two| (two[1].at - two[0].at) * sign);
@@ -193,8 +193,8 @@ fn goes_with_its_side(pass: &[Stop]) -> Option<bool> {
     [true, false].into_iter().find(|&with| goes(with))
 }
 
-/// Whether rows without a clock were taken as a step cycle: position after position, in all cycles or in each, from either side in
-/// turn. Tables with both sides beside each other are printed so, too.
+/// Whether rows without a clock were taken as a step cycle: position after position, in all cycles or in each, from
+/// either side in turn. Tables with both sides beside each other are printed like that, too.
 pub(crate) fn takes_turns(comparison: &Comparison<'_>) -> bool {
     if comparison.line().is_none() || comparison.timed {
         return false;
@@ -233,7 +233,7 @@ fn is_step_cycle(stops: &[Stop]) -> bool {
     positions.all(|at| seen.insert(at)) && of_position().all(take_turns)
 }
 
-/// Whether a position is given more than once from one side in one cycle, other than in rows that follow each other.
+/// Whether a position is given more than once from one side in one cycle, other than in consecutive rows.
 fn is_any_again(stops: &[Stop]) -> bool {
     let mut seen = HashSet::new();
     let mut keys = stops.iter().map(|s| (s.cycle, s.direction, s.at.to_bits()));

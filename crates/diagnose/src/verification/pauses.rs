@@ -1,9 +1,9 @@
 //! A table without a clock does not say how long the machine pauses between two cycles.
 //!
-//! What drifts goes on meanwhile. By the numbers of its rows a drift is then quicker than within the cycles, where it is slower by
-//! what grows on the way there and falls on the way back: lost motion that changes along the axis. Pauses are not shorter than nothing
-//! and not longer than all: beside the drift as the rows tell it, and beside an offset of each cycle instead of it, lost motion has its
-//! two extremes. If they differ in sign, there are pauses with which there is none; the distance is in its uncertainty.
+//! A drift goes on meanwhile. By row numbers it is then quicker between cycles than within them, where it is slower
+//! by what grows on the way there and falls on the way back: lost motion that changes along the axis. Pauses have two
+//! extremes, none and all of the time: the drift as the rows show it, or an offset of each cycle instead. If lost
+//! motion differs in sign between them, some pauses leave none; the distance is in its uncertainty.
 
 use trueaxis_effects::{BACKLASH, POSITION_DEPENDENT_BACKLASH};
 use trueaxis_selection::Fit;
@@ -15,16 +15,16 @@ use crate::verification::problem::Problem;
 use crate::verification::wanderer::Wanderer;
 use crate::verification::wandering::FittedProcess;
 
-/// What unknown pauses mean for lost motion beside a cause of time.
+/// Consequences of unknown pauses for lost motion beside a cause in time.
 pub(crate) struct ByPauses {
-    /// That which is as large everywhere, or nothing, in which case it is what goes with time.
+    /// The constant lost motion; or if none is needed, the disturbance in time.
     pub(crate) rivals: Vec<Rival>,
-    /// How far the other extreme is from the values that are stated.
+    /// Distance of the other extreme from the values that are stated.
     pub(crate) shift: Vec<f64>,
 }
 
-/// What pauses leave of lost motion, cause `k` with its fit to observations of this variance, beside causes of time or what wanders; none
-/// where there are no pauses.
+/// What pauses leave of lost motion, cause `k` with its fit to observations of this variance, beside causes in time
+/// or disturbances; `None` where pauses do not matter.
 pub(crate) fn by_pauses(
     problem: &Problem<'_>,
     (causes, wandering): (&[Chosen], &[FittedProcess]),
@@ -40,7 +40,7 @@ pub(crate) fn by_pauses(
     if comparison.timed || !is_lost_motion || !goes_on {
         return None;
     }
-    // Mean and slope, of a constant the mean alone. Half waves are rougher than any pause makes.
+    // Mean and slope; for a constant the mean alone. Half waves are rougher than any pause makes.
     let straight = match own.effect == POSITION_DEPENDENT_BACKLASH {
         true => 2,
         false => 1,
@@ -61,7 +61,7 @@ pub(crate) fn by_pauses(
     let sized = |among: &[Chosen], place: usize| paused.sizes(among).swap_remove(place).fit;
     let number = without_time.iter().position(|cause| *cause == causes[k])?;
     let all_in_pauses = sized(&without_time, number);
-    // Beside the slope nothing tells what drifts within the cycles; beside a constant it may be seen.
+    // Beside the slope nothing shows what drifts within the cycles; beside a constant it may be seen.
     let as_seen = (straight == 1).then(|| sized(causes, k));
     let u_of = |fit: &Fit, i: usize| (fit.covariance[i * straight + i].max(0.0) * variance).sqrt();
     let shift = |i: usize| {
@@ -97,7 +97,7 @@ pub(crate) fn by_pauses(
     })
 }
 
-/// An offset of each cycle, whitened, and where the scale wanders a slope: beside those of the line the first one has no meaning.
+/// An offset of each cycle, whitened, and where the scale wanders a slope: the first means nothing beside the lines'.
 fn offsets(problem: &Problem<'_>, cycles: &[usize], wandering: &[FittedProcess]) -> Vec<Vec<f64>> {
     let comparison = problem.comparison;
     let mut offsets: Vec<Vec<f64>> = indicators(cycles).into_iter().skip(1).collect();
@@ -118,8 +118,8 @@ fn offsets(problem: &Problem<'_>, cycles: &[usize], wandering: &[FittedProcess])
 }
 
 impl ByPauses {
-    /// Adds to a covariance, in units of the variance, that any value up to the other extreme is as likely: from the one that is stated
-    /// the mean square is a third of that distance squared.
+    /// Adds to a covariance, in units of the variance, that all values up to the other extreme are equally likely:
+    /// the mean square from the stated one is a third of that distance squared.
     pub(crate) fn add_to(&self, covariance: &mut [f64], variance: f64) {
         let n = self.shift.len();
         for (i, a) in self.shift.iter().enumerate() {
@@ -130,7 +130,7 @@ impl ByPauses {
     }
 }
 
-/// A value that is no more than so many standard uncertainties from zero may be zero.
+/// A value within this many standard uncertainties of zero may be zero.
 const COVERAGE: f64 = 2.0;
 
 /// The constant form of a lost motion that changes along the axis.

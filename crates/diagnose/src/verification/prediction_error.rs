@@ -1,12 +1,12 @@
-//! The errors that a prediction has itself: directions `P` with `cov(prediction) = P Pᵀ`.
+//! The errors of the prediction itself: directions `P` with `cov(prediction) = P Pᵀ`.
 //!
-//! A calibration is uncertain, and its errors are correlated from one position to the next: in a
-//! comparison they look like structure. Their covariance `K` is that of the calibrated machine
-//! ([`CalibratedMachine::covariance_of_readings`]), by the side of each reading where the calibration keeps the sides apart.
+//! A calibration is uncertain, and its errors are correlated from one position to the next: in a comparison they look
+//! like structure. Their covariance `K` is that of the calibrated machine
+//! ([`CalibratedMachine::covariance_of_readings`]), for the side of each reading where it has both sides.
 //!
-//! `K` has few directions that matter; they come from a pivoted Cholesky factorisation, which stops when
-//! what is left is far below the noise. As unknowns with the pseudo-observations `0 = x ± 1` they join
-//! the base model, which is the same as adding `K` to the covariance of the readings.
+//! `K` has few directions that matter; they come from a pivoted Cholesky factorisation, which stops when what is left
+//! is far below the noise. As unknowns with the pseudo-observations `0 = x ± 1` they join the base model, which is
+//! the same as adding `K` to the covariance of the readings.
 
 use nalgebra::DVector;
 use trueaxis_campaign::Direction;
@@ -15,10 +15,10 @@ use trueaxis_predict::{CalibratedMachine, pivoted_cholesky};
 use crate::verification::base::{cells, count, stands};
 use crate::verification::comparison::{Comparison, came_from};
 
-/// Variance of a prediction, in variances of an arrival, that may be left out.
+/// Negligible variance of a prediction, in variances of an arrival.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// The columns of `P` over the readings of one comparison after the other, µm; none if the calibration has no uncertainties.
+/// The columns of `P` over the readings of the comparisons in turn, µm; none if the calibration has no uncertainties.
 pub(crate) fn prediction_directions(
     comparisons: &[&Comparison<'_>],
     machine: &CalibratedMachine,

@@ -1,7 +1,7 @@
 //! A comparison as whitened observations, its base model and all hypotheses.
 //!
-//! Arrivals have one standard deviation σ, and are independent or those of an autoregressive process ([`Whitening`]). The prediction's
-//! own errors join as unknowns with a pseudo-observation each, below the readings; here without correlations:
+//! Arrivals have one standard deviation σ, and are independent or autoregressive ([`Whitening`]). The errors of the
+//! prediction join as unknowns with a pseudo-observation each, below the readings; here without correlation:
 //!
 //! ```text
 //! [ (measured - predicted)/σ ]   [ B/σ  P/σ ] [ b ]
@@ -24,34 +24,34 @@ use crate::verification::prediction_error::prediction_directions;
 use crate::verification::wandering::FittedProcess;
 use crate::verification::whitening::Whitening;
 
-/// What there is to explain, and what may explain it.
+/// What is to be explained, and what may explain it.
 pub(crate) struct Problem<'a> {
     pub(crate) comparison: &'a Comparison<'a>,
     /// Whether the prediction is that of a calibration.
     pub(crate) calibrated: bool,
-    /// Whether something that wanders is in the covariance.
+    /// Whether disturbances are in the covariance.
     pub(crate) wanders: bool,
-    /// By what the rows are white.
+    /// How the rows are whitened.
     pub(crate) whitening: Whitening<'a>,
-    /// The part of its variance that the last digit of the readings has.
+    /// Share of the last digit of the readings in its variance.
     pub(crate) least_variance: f64,
-    /// The part of the variance of a row that the last digit hides from the residuals.
+    /// Share of the variance of a row that the last digit hides from the residuals.
     pub(crate) hidden: f64,
     /// The base model and the hypotheses.
     pub(crate) listed: Listed<'a>,
-    /// That of the base model with the prediction taken as it is, for readings that are held out: a
+    /// The projection of the base model with the prediction taken as it is, for readings that are held out: a
     /// prediction that learns from the other readings is no longer that of the calibration.
     pub(crate) as_predicted: Projection,
-    /// Standard uncertainty of the prediction, rms of the readings, µm.
+    /// Standard uncertainty of the prediction, rms over the readings, µm.
     pub(crate) prediction_u_um: Option<f64>,
-    /// What is left is tested to vary with.
+    /// Families of columns with which what is left may vary.
     pub(crate) families: Arc<[Family]>,
-    /// Of false alarms.
+    /// Level of false alarms.
     pub(crate) level: f64,
 }
 
 impl<'a> Problem<'a> {
-    /// With the standard uncertainty from the last digit, and what that hides of the noise; `level` is that of false alarms.
+    /// With the standard uncertainty from the last digit and the noise it hides; `level` is that of false alarms.
     pub(crate) fn new(
         comparison: &'a Comparison<'a>,
         scene: &Scene,
@@ -113,7 +113,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The same with what wanders in the covariance.
+    /// The same with disturbances in the covariance.
     pub(crate) fn beside(&self, wandering: &[FittedProcess]) -> Self {
         let columns: Vec<Vec<f64>> = wandering.iter().flat_map(|w| w.columns(self)).collect();
         let with = |projection: &Projection| match columns.is_empty() {
@@ -132,13 +132,13 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Readings, without the pseudo-observations.
+    /// Number of readings, without the pseudo-observations.
     pub(crate) fn readings(&self) -> usize {
         self.listed.base.rows() - self.whitening.pseudo
     }
 
-    /// The prediction taken as it is with causes in the model, for readings beside those of others: with what the last digit hides
-    /// of their noise, pseudo-observations have none.
+    /// The prediction taken as it is with causes in the model, for readings beside those of others: with what the
+    /// last digit hides of their noise, which pseudo-observations do not have.
     pub(crate) fn part(&self, causes: &[Chosen]) -> Projection {
         let part = self.as_predicted.extended(&self.listed.columns(causes));
         let of_readings = 1.0 - self.whitening.pseudo as f64 / part.degrees_of_freedom;
@@ -160,25 +160,25 @@ impl<'a> Problem<'a> {
         self.whitening.um(whitened)
     }
 
-    /// Rms of what is slow against the correlation of the noise, of these whitened squares, µm.
+    /// Rms of something slow against the correlation of the noise, from these whitened squares, µm.
     pub(crate) fn slow_rms_um(&self, squares: f64) -> f64 {
         let rho = self.whitening.correlation;
         let variance = squares.max(0.0) / self.readings() as f64 * (1.0 + rho) / (1.0 - rho);
         self.whitening.sigma_um * variance.sqrt()
     }
 
-    /// Rms for one degree of freedom of what a model leaves and the last digit hides, µm.
+    /// Rms per degree of freedom of what a model leaves and the last digit hides, µm.
     pub(crate) fn rms_um(&self, model: &Projection) -> f64 {
         self.whitening.sigma_um * (model.squares() / model.degrees_of_freedom.max(1.0)).sqrt()
     }
 
-    /// Standard deviation of a reading that a model leaves, µm: no less than the last digit has.
+    /// Standard deviation of a reading that a model leaves, µm: at least that of the last digit.
     pub(crate) fn noise_um(&self, model: &Projection) -> f64 {
         let least_um = self.whitening.sigma_um * self.least_variance.sqrt();
         self.rms_um(model).max(least_um)
     }
 
-    /// Rms for one degree of freedom of what is seen of the readings less the prediction as it is and causes, µm.
+    /// Rms per degree of freedom of the visible part of the readings less the prediction as it is and causes, µm.
     pub(crate) fn seen_rms_um(&self, causes: &[Chosen]) -> f64 {
         let left = self.part(causes);
         let degrees_of_freedom = left.degrees_of_freedom - self.whitening.pseudo as f64;

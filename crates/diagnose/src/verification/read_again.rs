@@ -1,11 +1,11 @@
-//! Tables that read again what an earlier one did: without a calibration each has a mean curve of its own, and what differs between
-//! them is seen only as cycles of one table.
+//! Tables that read again what an earlier one did: without a calibration each has a mean curve of its own, and
+//! differences between them are visible only as cycles of one table.
 
 use trueaxis_campaign::Verification;
 
 use crate::verification::arrivals::is_same;
 
-/// What is to be said where `verification` reads most of the positions of one `before`, of the same points of the machine.
+/// A notice where `verification` reads most of the positions of one `before`, of the same points of the machine.
 pub(crate) fn read_again(verification: &Verification, before: &[Verification]) -> Option<String> {
     let are_same = |one: &[f64], other: &[f64]| one.iter().zip(other).all(|(a, b)| is_same(*a, *b));
     let is_again = |earlier: &&Verification| {

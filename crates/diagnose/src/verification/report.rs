@@ -1,4 +1,4 @@
-//! What was found in one verification, as the outcome says it.
+//! What was found in one verification, as the outcome states it.
 
 use trueaxis_effects::{Effect, Level, ResolvedEffect, Scene, Subject};
 use trueaxis_selection::{DECISIVE, Fit, Projection, Score, add, combined, cosine, is_rival};
@@ -21,8 +21,8 @@ pub(crate) fn rms_of_readings_um(problem: &Problem<'_>, column: &[f64]) -> f64 {
     (squares / readings.len() as f64).sqrt()
 }
 
-/// The causes with their values, rivals and gains. `predicted` leaves what the readings show beside the prediction as it is;
-/// `wandering` is beside them, and `wandered` what it does, whitened.
+/// The causes with their values, rivals and gains. `predicted` leaves what the readings show beside the prediction as
+/// it is; the disturbances `wandering` are beside them, and `wandered` is their effect, whitened.
 pub(crate) fn causes(
     problem: &Problem<'_>,
     scene: &Scene,
@@ -33,7 +33,7 @@ pub(crate) fn causes(
     let joint = Fit::new(&problem.listed.base, &problem.listed.columns(chosen));
     let variance =
         (after.squares() / after.degrees_of_freedom.max(1.0)).max(problem.least_variance);
-    // What the causes and what wanders leave.
+    // What the causes and disturbances leave.
     let mut rest = joint.effect;
     add(&mut rest, wandered, 1.0);
     predicted.project(&mut rest);
@@ -115,11 +115,11 @@ fn shown(problem: &Problem<'_>, scene: &Scene, misfit: &[f64], fitted: &[f64]) -
     Some(Fitted { against, ..fitted })
 }
 
-/// Probability that noise gives as much as a larger form has more, above which there is taken to be no more.
+/// Probability that noise gives as much as a larger form has more, above which it is taken to have no more.
 const UNDECIDED: f64 = 0.1;
 
-/// What explains the data nearly as well as a cause, all against the model with the other causes. A
-/// form that holds the cause and more is a rival only as long as it is undecided whether there is more.
+/// What explains the data nearly as well as a cause, each against the model with the other causes. A form that holds
+/// the cause and more is a rival only while it is undecided whether there is more.
 pub(crate) fn rivals(listed: &Listed, judged: &Judged) -> Vec<Rival> {
     let (model, own) = (&judged.beside.model, &judged.score);
     let cause_columns = listed.columns_of(&judged.cause);
@@ -139,7 +139,7 @@ pub(crate) fn rivals(listed: &Listed, judged: &Judged) -> Vec<Rival> {
         }
     });
     rivals.extend(lost_motion_beyond_drives(listed, judged));
-    // Straight and free lost motion are one effect in two forms: the better of them is said.
+    // Straight and free lost motion are one effect in two forms: the better of them is stated.
     let mut said: Vec<(&Effect, Subject)> = Vec::new();
     rivals.retain(|rival| {
         let Rival::Effect { effect, .. } = rival else {
@@ -153,8 +153,8 @@ pub(crate) fn rivals(listed: &Listed, judged: &Judged) -> Vec<Rival> {
     rivals
 }
 
-/// Lost motion that would explain as much if any drive lost so much: a mistake in the table is likelier than anything else that turns
-/// round with the axis. Beside late time stamps it counts in any case: what cables and soft joints lose is no plain play.
+/// Lost motion that would explain as much if a drive lost so much: a mistake in the table is likelier than anything
+/// else that reverses with the axis. Beside late time stamps it always counts: soft joints lose unlike play.
 fn lost_motion_beyond_drives(listed: &Listed, judged: &Judged) -> impl Iterator<Item = Rival> {
     let (beside, own) = (&judged.beside, &judged.score);
     let effect = |score: &Score| listed.candidate(beside, score).hypothesis.effect;
@@ -168,7 +168,7 @@ fn lost_motion_beyond_drives(listed: &Listed, judged: &Judged) -> impl Iterator<
     })
 }
 
-/// Adds to the causes of a model those of another one that is as good, each to those in whose place it stands there.
+/// Adds to the causes of a model those of another one that is as good, each to the causes that it replaces there.
 pub(crate) fn add_rivals(
     listed: &Listed,
     chosen: &[Chosen],
@@ -199,7 +199,7 @@ pub(crate) fn add_rivals(
     }
 }
 
-/// Where the misfit lives: by direction and by cycle.
+/// The misfit by direction and by cycle.
 pub(crate) fn places(problem: &Problem<'_>, before: &Projection, after: &Projection) -> Vec<Place> {
     let rms_um = |rows: &[usize]| {
         [before, after].map(|model| {

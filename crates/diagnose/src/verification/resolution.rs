@@ -1,7 +1,7 @@
 //! What the digits of the readings cannot show.
 //!
-//! A reading that is written in steps of δ is uncertain by `δ/√12` of them alone (JCGM 100:2008, F.2.2.1). Where a control
-//! repeats to its last digit, nothing else is left of the noise.
+//! A reading given in steps of δ is uncertain by `δ/√12` from them alone (JCGM 100:2008, F.2.2.1). Where a control
+//! repeats to its last digit, nothing else remains of the noise.
 
 use std::f64::consts::PI;
 
@@ -15,17 +15,17 @@ pub(crate) fn resolution_um(values_um: impl Iterator<Item = f64>) -> Option<f64>
 /// Terms of the series: the next is below a thousandth of the first.
 const TERMS: u32 = 32;
 
-/// What the last digit (standard uncertainty `resolution_um` of one reading) hides of the noise of a reading where repeats scatter by
-/// `scatter_um`, a standard deviation in µm: they are rounded alike, and a mean of them is less certain than it looks.
+/// The noise of a reading hidden by the last digit (standard uncertainty `resolution_um` of one reading) where
+/// repeats scatter by `scatter_um`, a standard deviation in µm: they are rounded alike; their mean seems too certain.
 ///
-/// Rounding in steps of δ leaves the mean of noise of standard deviation σ off by an amount whose variance over all places is
+/// Rounding in steps of δ shifts the mean of noise of standard deviation σ; the variance of this over all places is
 ///
 /// ```text
 /// v = Σ_k δ²/(2π²k²) exp(-4π²k²σ²/δ²)     v(0) = δ²/12     s² = σ² + δ²/12 - v
 /// ```
 ///
-/// (B. Widrow, I. Kollár, Quantization Noise, 2008, ch. 4: the characteristic function of the noise at the multiples of 2π/δ). The
-/// mean of `n` repeats has the variance `v + s²/n`, as if each had the variance `s² + n v`. From σ = δ/2 on `v` is nothing.
+/// (B. Widrow, I. Kollár, Quantization Noise, 2008, ch. 4: characteristic function of the noise at multiples of
+/// 2π/δ). The mean of `n` repeats has the variance `v + s²/n`, as if each had `s² + n v`. For σ > δ/2 `v` vanishes.
 pub(crate) fn hidden_um(resolution_um: f64, scatter_um: f64, repeats: f64) -> f64 {
     let (rounding, scatter) = (resolution_um.powi(2), scatter_um.powi(2));
     let common = |noise: f64| -> f64 {
@@ -35,7 +35,7 @@ pub(crate) fn hidden_um(resolution_um: f64, scatter_um: f64, repeats: f64) -> f6
         };
         (1..=TERMS).map(term).sum()
     };
-    // σ² between nothing and all that is seen.
+    // σ² between zero and all that is seen.
     let (mut low, mut high) = (0.0, scatter);
     for _ in 0..HALVINGS {
         let noise = 0.5 * (low + high);
@@ -58,7 +58,7 @@ mod tests {
 
     use super::*;
 
-    /// The mean of some rounded readings at a place anywhere between two digits: its variance over 4000 places is that of
+    /// The mean of rounded readings at a position anywhere between two digits: its variance over 4000 positions is
     /// the noise that is seen and hidden, over the number of repeats, within four standard errors of such a variance.
     #[test]
     fn means_of_rounded_readings_are_as_uncertain_as_said() {

@@ -1,13 +1,13 @@
 //! Finding the causes: one at a time, each judged against noise through the same model.
 //!
-//! 1. All hypotheses against what the model leaves; the one with the most evidence joins if noise alone
-//!    gives one as good with less than the level (family-wise), a further cause with less than [`FURTHER_LEVEL`]. Of few readings two
-//!    causes of one size hide each other: there two join at once, if each is as clear as a further cause beside the other.
-//! 2. Of nested forms (constant play within play that changes along the axis) the larger joins only if
-//!    what it has more is significant by itself.
-//! 3. Shapes of all causes are looked for again with the others in the model.
-//! 4. Causes that have become superfluous leave, and none joins only to take another one away.
-//! 5. One of them goes with time, or a drift and a jump where together they leave nothing: several can follow any course.
+//! 1. All hypotheses against what the model leaves; the one with the most evidence joins if noise alone gives one as
+//!    good with less than the level (family-wise), a further cause with less than [`FURTHER_LEVEL`]. With few
+//!    readings two causes of one size hide each other: two join at once, if each is as clear as a further cause.
+//! 2. Of nested forms (constant play within play that changes along the axis) the larger joins only if what it has
+//!    more is significant by itself.
+//! 3. Shapes of all causes are sought again with the others in the model.
+//! 4. Causes that have become superfluous leave, and none joins only to cancel another.
+//! 5. At most one goes with time, or a drift and a jump that together leave nothing: several can follow any course.
 
 use trueaxis_effects::Shape;
 use trueaxis_selection::{DECISIVE, Projection, Score, ln_f_test};
@@ -16,16 +16,16 @@ use crate::engine::{
     Beside, Chosen, FURTHER_LEVEL, Listed, SHAPE_ERROR, are_opposed, does_with, without,
 };
 
-/// Causes named at most: more are no longer an explanation.
+/// Most causes named: more are no longer an explanation.
 pub(crate) const MOST_CAUSES: usize = 3;
 
 /// Degrees of freedom below which one cause leaves so few for the noise that another one of its size hides it.
 const FEW: f64 = 40.0;
 
-/// What must be left of a column, in squares, for one form not to hold the other.
+/// Least share of a column, in squares, that must be left for one form not to contain the other.
 const CONTAINED: f64 = 1e-6;
 
-/// The causes of what the base model leaves, the strongest first, after those that are known; without those that become superfluous.
+/// The causes of what the base model leaves, after the known ones, the strongest first; without superfluous ones.
 pub(crate) fn search(
     listed: &Listed,
     causes: Vec<Chosen>,
@@ -36,8 +36,8 @@ pub(crate) fn search(
     grown(listed, causes, excluded, level, (most, true))
 }
 
-/// Up to `most` causes that begin with one, each significant beside the others, however little of what they explain it does: only where
-/// they leave nothing is it more than their shape.
+/// Up to `most` causes that begin with one, each significant beside the others, however small its share of what they
+/// explain: it is more than their shape only where they leave nothing.
 pub(crate) fn search_from(
     listed: &Listed,
     first: Chosen,
@@ -47,7 +47,7 @@ pub(crate) fn search_from(
     grown(listed, vec![first], excluded, level, (most, false))
 }
 
-/// Causes with up to `most` in all; those that may be no more than the shape of others only `with_shapes` end it.
+/// Up to `most` causes in all; `with_shapes` one that may be no more than the shape of the others ends the search.
 fn grown(
     listed: &Listed,
     mut causes: Vec<Chosen>,
@@ -87,8 +87,8 @@ fn grown(
     causes
 }
 
-/// Two causes that hide each other, as a drift and the lost motion at a single position: the one with the most evidence, and what is
-/// found beside it.
+/// Two causes that hide each other, such as a drift and the lost motion at a single position: the one with the most
+/// evidence, and what is found beside it.
 fn hidden_pair(listed: &Listed, excluded: &[usize], level: f64) -> Vec<Chosen> {
     let beside = listed.beside(&[]);
     let mut possible = beside.scores.iter();
@@ -106,7 +106,7 @@ fn hidden_pair(listed: &Listed, excluded: &[usize], level: f64) -> Vec<Chosen> {
     }
 }
 
-/// Whether causes are there to take each other away.
+/// Whether causes cancel each other.
 pub(crate) fn opposed(listed: &Listed, causes: &[Chosen]) -> bool {
     let of_each = causes.iter().map(|cause| listed.columns_of(cause));
     let does = does_with(&listed.base, &of_each.collect::<Vec<_>>());
@@ -137,10 +137,10 @@ pub(crate) fn drop_superfluous(listed: &Listed, causes: &mut Vec<Chosen>, level:
     }
 }
 
-/// Probability of noise giving a second cause of time, below which it is looked at: what wanders gives one sooner.
+/// Probability of noise giving a second cause in time, below which it is considered: disturbances give one sooner.
 const SECOND_OF_TIME: f64 = 1e-12;
 
-/// The next cause, if there is one: one of time, or a drift and a jump where `both`; several can follow any course.
+/// The next cause, if any: at most one in time, or a drift and a jump where `both`; several can follow any course.
 fn best(
     listed: &Listed,
     causes: &[Chosen],
@@ -179,8 +179,8 @@ fn best(
 /// Coverage factor of the uncertainty of a time constant, which is resolved if it is longer.
 const COVERAGE: f64 = 2.0;
 
-/// The one with the most evidence; but one whose time constant the data do not resolve gives its place to one as likely that has
-/// none, as a drift at a constant rate.
+/// The one with the most evidence; but one whose time constant the data do not resolve is replaced by an equally
+/// likely one without, such as a drift at a constant rate.
 fn resolved<'s>(listed: &Listed, beside: &Beside, scores: &'s [Score]) -> Option<&'s Score> {
     let leader = scores.first()?;
     let is_resolved = |score: &Score| {
@@ -215,7 +215,7 @@ pub(crate) fn simplest<'s>(
     smaller.next().or(Some(leader))
 }
 
-/// Logarithm of the p-value of what a larger form explains beyond a smaller one that it holds.
+/// Logarithm of the p-value of what a larger form explains beyond a smaller one that it contains.
 pub(crate) fn ln_more(model: &Projection, smaller: &Score, larger: &Score) -> f64 {
     let more = larger.statistic - smaller.statistic;
     let left = model.squares() - smaller.statistic;
@@ -223,8 +223,7 @@ pub(crate) fn ln_more(model: &Projection, smaller: &Score, larger: &Score) -> f6
     ln_f_test(more, left, larger.rank - smaller.rank, freedom)
 }
 
-/// Whether `with`, the model extended by some form, leaves nothing of columns that `model` leaves
-/// something of.
+/// Whether `with`, the model extended by some form, leaves nothing of columns of which `model` leaves something.
 pub(crate) fn contains(model: &Projection, with: &Projection, columns: &[Vec<f64>]) -> bool {
     let left = |projection: &Projection, column: &[f64]| {
         let mut column = column.to_vec();
@@ -235,7 +234,7 @@ pub(crate) fn contains(model: &Projection, with: &Projection, columns: &[Vec<f64
     columns.iter().all(is_contained)
 }
 
-/// Looks for each shape again with the other causes in the model.
+/// Seeks each shape again with the other causes in the model.
 pub(crate) fn refine(listed: &Listed, causes: &mut [Chosen]) {
     for k in 0..causes.len() {
         if !listed.candidates[causes[k].candidate]

@@ -1,4 +1,4 @@
-//! One series of readings with its causes, and what wanders beside them.
+//! One series of readings with its causes, and the disturbances beside them.
 
 use trueaxis_effects::{Level, Scene};
 use trueaxis_selection::{Projection, add};
@@ -21,7 +21,7 @@ use crate::{LevelReport, Misfit, Shares, Unexplained};
 /// The readings of one verification: a line or the sweeps of a ball bar.
 pub(crate) struct Series<'a> {
     pub(crate) name: &'a str,
-    /// The base model without anything.
+    /// The base model without causes and disturbances.
     pub(crate) plain: Problem<'a>,
     pub(crate) model: Model<'a>,
     /// Standard deviation of an arrival that is stated, µm.
@@ -29,7 +29,7 @@ pub(crate) struct Series<'a> {
 }
 
 impl<'a> Series<'a> {
-    /// Finds the causes of a verification, and what wanders beside them or instead of them.
+    /// Finds the causes of a verification, and disturbances beside them or instead of them.
     pub(crate) fn new(name: &'a str, plain: Problem<'a>) -> Self {
         Self {
             name,
@@ -39,17 +39,17 @@ impl<'a> Series<'a> {
         }
     }
 
-    /// The model that its causes make.
+    /// The model with its causes.
     pub(crate) fn after(&self) -> Projection {
         self.model.problem.listed.with(&self.model.causes)
     }
 
-    /// Rms for one degree of freedom of what its model leaves, µm.
+    /// Rms per degree of freedom of what its model leaves, µm.
     pub(crate) fn left_um(&self) -> f64 {
         self.plain.rms_um(&self.after())
     }
 
-    /// Other causes, with what wanders beside them.
+    /// Replaces the causes, with the disturbances beside them.
     pub(crate) fn set_causes(&mut self, causes: Vec<Chosen>) {
         if !have_same(&causes, &self.model.causes) {
             self.model = only(&self.plain, wandering(&self.plain, &causes));
@@ -57,7 +57,7 @@ impl<'a> Series<'a> {
         self.model.causes = causes;
     }
 
-    /// What is said of it; the `first` of its causes come first, then the one without which most is left.
+    /// Its outcome; the `first` of its causes come first, then the one without which most is left.
     pub(crate) fn entry(&self, scene: &Scene, first: &[usize]) -> Entry {
         let plain = &self.plain;
         let Model {

@@ -1,13 +1,13 @@
 //! The side from which an axis comes that moves with others, as on a circle.
 //!
-//! It is the sign of its speed at the row, that of a parabola through three rows. Where that is next to nothing, at the very end of its
-//! way, the axis is still on the side that it came from. On a closed circle the first row follows the last.
+//! It is the sign of its speed at the row, from a parabola through three rows. Where that is nearly zero, at the end
+//! of its travel, the axis is still on the side it came from. On a closed circle the first row follows the last.
 
 /// Rounding of the coordinates of a circle; far below any step of a machine.
 const ROUNDING_MM_OR_RAD: f64 = 1e-9;
 
-/// The side from which an axis that moves with others comes to a row of a pass; zero where it stands. `closed` are the rows before the
-/// first and after the last one of a closed circle.
+/// The side from which an axis that moves with others comes to a row of a pass; zero where it stands. `closed` are
+/// the rows before the first and after the last one of a closed circle.
 pub(crate) fn side(
     positions: &[Vec<f64>],
     closed: Option<[usize; 2]>,
@@ -21,7 +21,7 @@ pub(crate) fn side(
     let after = after.or(closed.map(|[_, start]| start));
     let came = before.map(|before| at(row) - at(before));
     let goes = after.map(|after| at(after) - at(row));
-    // The tangent of a parabola: in the middle of its three points, at its first or at its last. Before the first one a machine runs in.
+    // The tangent of a parabola: in the middle of its three points, at its first (a machine runs in before) or last.
     let (speed, steps, turned) = match (came, goes) {
         (Some(came), Some(goes)) => (came + goes, [came, goes], came),
         (None, Some(goes)) if last > 1 => {
@@ -47,11 +47,11 @@ pub(crate) fn side(
     }
 }
 
-/// Part of a step by which an axis moves on from the row before to the one after, below which it turns round in between.
+/// Share of a step by which an axis moves on from the row before to the one after, below which it turns in between.
 const TURNS_ROUND: f64 = 0.1;
 
-/// The rows before the first and after the last one of a closed circle: there no axis is farther apart than its longest step, and goes on
-/// as it came.
+/// The rows before the first and after the last one of a closed circle: there each axis continues in its direction by
+/// at most its longest step.
 pub(crate) fn around(positions: &[Vec<f64>]) -> Option<[usize; 2]> {
     let last = positions.len() - 1;
     if last < LEAST_OF_CIRCLE {
@@ -75,8 +75,8 @@ pub(crate) fn around(positions: &[Vec<f64>]) -> Option<[usize; 2]> {
     }
 }
 
-/// Rows of a closed circle, at least.
+/// Fewest rows of a closed circle.
 const LEAST_OF_CIRCLE: usize = 6;
 
-/// Part of a step from which on two rows are two places.
+/// Share of a step from which on two rows are at two positions.
 const SAME_PLACE: f64 = 0.05;

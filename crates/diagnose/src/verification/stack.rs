@@ -5,9 +5,9 @@
 //!     [   ...   ]                                       [   ...   ]
 //! ```
 //!
-//! `M_f` leaves what the base model of a series, what wanders in it and what it alone shows absorb; `s_f` is the standard
-//! deviation of a reading that its own causes leave. The errors of the prediction are those of one calibration: they join
-//! the covariance of all series together. A hypothesis has one column for each parameter over all of them.
+//! `M_f` is the projection that removes the base model of a series, its disturbances and what it alone shows; `s_f`
+//! is the standard deviation of a reading beside all its causes. The prediction errors are those of one calibration:
+//! they join the covariance of all series. A hypothesis has a column for each parameter over all.
 
 use trueaxis_effects::Shape;
 use trueaxis_leastsquares::dot;
@@ -24,21 +24,21 @@ use crate::verification::whitening::Whitening;
 /// The system and what may be common to its series.
 pub(crate) struct Stack<'s> {
     pub(crate) listed: Listed<'s>,
-    /// Of each hypothesis its number in each series that shows it.
+    /// For each hypothesis its number in each series that shows it.
     pub(crate) members: Vec<Vec<Option<usize>>>,
     /// `s_f`, µm.
     pub(crate) scales_um: Vec<f64>,
     pub(crate) all: &'s [Series<'s>],
 }
 
-/// Part of the mean of what a cause explains that a series must show of it.
+/// Share of the mean of what a cause explains that a series must show of it.
 const SHOWN: f64 = 0.1;
 
-/// Whether an effect of a series is the same in another: it belongs to the machine or to the way in which it is read, not
-/// to the time of one series or to the range of its positions.
+/// Whether an effect of a series is the same in another: it belongs to the machine or to the way in which it is read,
+/// not to the time of one series or to the range of its positions.
 pub(crate) fn is_of_all(series: &Series<'_>, candidate: &Candidate<'_>) -> bool {
     let Hypothesis { effect, .. } = candidate.hypothesis;
-    // Without a clock lag is in parts of the time between two readings of this series.
+    // Without a clock lag is in units of the time between two readings of this series.
     let counts_readings = effect.is_delay() && !series.plain.comparison.timed;
     let is_of_its_clock =
         counts_readings || candidate.hypothesis.is_of_time() || effect.grows_axis();
@@ -47,7 +47,7 @@ pub(crate) fn is_of_all(series: &Series<'_>, candidate: &Candidate<'_>) -> bool 
 }
 
 impl<'s> Stack<'s> {
-    /// Of all series; of each the causes `own` are its own.
+    /// Of all series; the causes `own` of each are its own.
     pub(crate) fn new(
         all: &'s [Series<'s>],
         own: &[Vec<Chosen>],
@@ -197,7 +197,7 @@ impl<'s> Stack<'s> {
         causes.find(|c| c.candidate == member).map(|c| c.shape)
     }
 
-    /// A column over the rows of one series, none of the others.
+    /// A column over the rows of one series, zero for the others.
     fn of_series(&self, number: usize, column: &[f64]) -> Vec<f64> {
         let mut own = vec![0.0; column.len()];
         let rows = self.rows(number);
@@ -205,7 +205,7 @@ impl<'s> Stack<'s> {
         own
     }
 
-    /// How many shapes more than one a cause has if each series has that at which it was named.
+    /// Number of shapes beyond one of a cause if each series has the shape at which it was named.
     pub(crate) fn more_shapes(&self, cause: &Chosen) -> usize {
         let shape = |k| self.own_shape(cause.candidate, k).unwrap_or(cause.shape);
         let mut shapes: Vec<f64> = (0..self.all.len()).map(shape).collect();
@@ -214,7 +214,7 @@ impl<'s> Stack<'s> {
         shapes.len() - 1
     }
 
-    /// The columns of a cause with a size of its own, and where it was named a shape of its own, in each series.
+    /// The columns of a cause with its own size, and where it was named its own shape, in each series.
     pub(crate) fn apart(&self, cause: &Chosen) -> Vec<Vec<f64>> {
         let candidate = &self.listed.candidates[cause.candidate];
         let of_series = |number: usize| {
@@ -226,7 +226,7 @@ impl<'s> Stack<'s> {
         (0..self.all.len()).flat_map(of_series).collect()
     }
 
-    /// The causes of each series: its own and those that it shows of all.
+    /// The causes of each series: its own and those common ones that it shows.
     pub(crate) fn of_each(&self, own: &[Vec<Chosen>], causes: &[Chosen]) -> Vec<Vec<Chosen>> {
         let mut all = own.to_vec();
         for (k, cause) in causes.iter().enumerate() {
@@ -243,7 +243,7 @@ impl<'s> Stack<'s> {
         all
     }
 
-    /// What a cause with the size that all have in common explains in each series, squares.
+    /// What a cause with the common size explains in each series, squares.
     pub(crate) fn explained(&self, causes: &[Chosen], k: usize) -> Vec<f64> {
         let model = self.listed.with(&without(causes, k));
         let of_all = Fit::new(&model, &self.listed.columns_of(&causes[k])).effect;
@@ -256,8 +256,8 @@ impl<'s> Stack<'s> {
         explained.collect()
     }
 
-    /// Whether each series shows a cause: more than its columns explain of noise, or where it is weak in all of them, a part of
-    /// what it explains in the mean.
+    /// Whether each series shows a cause: more than its columns explain of noise, or where it is weak in all of them,
+    /// a share of what it explains in the mean.
     fn shows(&self, causes: &[Chosen], k: usize) -> Vec<bool> {
         let explained = self.explained(causes, k);
         let of_members = explained.iter().zip(&self.members[causes[k].candidate]);
@@ -277,7 +277,7 @@ impl<'s> Stack<'s> {
     }
 }
 
-/// A column over the readings of a series, in µm, as one of all series, of noise with a standard deviation.
+/// A column over the readings of a series, in µm, as one of all series, in units of this standard deviation.
 fn in_scale(plain: &Problem<'_>, column: &[f64], scale_um: f64) -> Vec<f64> {
     let whitening = Whitening {
         sigma_um: scale_um,

@@ -1,10 +1,10 @@
-//! Readings that contradict the others of their stop: in its mean they would be no slips any more, but scatter of the machine.
+//! Readings that contradict the others of their stop: in its mean they would look like scatter of the machine.
 //!
-//! Each stop has a mean; a reading is tested with what all others leave, those that stand out most first (externally studentised
-//! residuals, as arrivals in [`super::gross_errors`]). It must be off by much more than the others of its stop differ, and than the
-//! nearest stops at its position are from these; else the machine was on its way there, and the stop is looked at no further. Of two
-//! readings neither is told from the other. Where more than a few stand out they are no slips but the way in which machine or
-//! instrument settle, and stay.
+//! Each stop has a mean; a reading is tested with what all others leave, those that stand out most first (externally
+//! studentised residuals, as for arrivals in [`super::gross_errors`]). It must be off by much more than the others of
+//! its stop differ, and the nearest stops at its position from these; otherwise the machine was on its way there, and
+//! the stop is not considered further. Of two readings nothing shows which is wrong. Where more than a few stand out
+//! they are no slips but the way in which machine or instrument settle, and stay.
 
 use trueaxis_campaign::Verification;
 use trueaxis_selection::ln_f_test;
@@ -77,11 +77,11 @@ pub(crate) fn slips_within_stops(
 
 /// What is left of the readings of a stop.
 struct Stop {
-    /// The number of its position and side.
+    /// The index of its position and side.
     cell: usize,
-    /// Their numbers and values, µm.
+    /// Their indices and values, µm.
     readings: Vec<(usize, f64)>,
-    /// Whether the machine was on its way there.
+    /// Whether nothing more is to be tested here: the machine was on its way.
     is_settled: bool,
 }
 
@@ -90,7 +90,7 @@ impl Stop {
         self.readings.iter().map(|(_, value)| value).sum::<f64>() / self.readings.len() as f64
     }
 
-    /// Values without that of one place.
+    /// Values without the one at an index.
     fn without(&self, out: Option<usize>) -> Vec<f64> {
         let all = self.readings.iter().enumerate();
         let kept = all.filter(|(place, _)| Some(*place) != out);
@@ -104,7 +104,7 @@ struct Slip {
     stop: usize,
     place: usize,
     error_um: f64,
-    /// Part of an error that the residual shows.
+    /// Share of an error that the residual shows.
     redundancy: f64,
 }
 
@@ -127,8 +127,8 @@ fn largest(stops: &[Stop]) -> Option<Slip> {
     slips.max_by(|a, b| drop(a).total_cmp(&drop(b)))
 }
 
-/// Whether the machine was on its way when a reading was taken, as at the start of a warm-up: the others of its stop, or the nearest
-/// stops before and after it at the same position, are not much nearer to each other.
+/// Whether the machine was on its way when a reading was taken, as at the start of a warm-up: the others of its stop,
+/// or the nearest stops before and after it at the same position, are not much nearer to each other.
 fn is_on_its_way(stops: &[Stop], slip: &Slip) -> bool {
     let near_um = IS_ON_ITS_WAY * slip.error_um.abs();
     let own = &stops[slip.stop];
@@ -155,7 +155,7 @@ fn is_on_its_way(stops: &[Stop], slip: &Slip) -> bool {
     neighbours.any(|neighbour| others.iter().all(|value| is_far(neighbour, value)))
 }
 
-/// The squares by which the readings of stops scatter without one, and by no less than the last digit, with their degrees of freedom.
+/// Sum of squares of the readings about their stops' means without one, at least the last digit's, with its freedom.
 fn left(stops: &[Stop], without: &Slip, resolution_um: f64) -> (f64, f64) {
     let (mut squares, mut freedom) = (0.0, 0.0);
     let all = stops.iter().enumerate();

@@ -1,7 +1,7 @@
-//! What several series have in common against what each of them alone shows.
+//! Common causes of several series that cancel causes of a single one.
 //!
-//! Two instruments read one motion: an offset of the time stamps in both, and lost motion of another size in each, take each other
-//! away as they do in one series (`engine/opposed.rs`).
+//! Two instruments read one motion: an offset of the time stamps in both, and lost motion of another size in each,
+//! cancel each other as they do in one series (`engine/opposed.rs`).
 
 use trueaxis_leastsquares::dot;
 use trueaxis_selection::add;
@@ -9,8 +9,8 @@ use trueaxis_selection::add;
 use crate::engine::{Chosen, are_opposed, does_with};
 use crate::verification::stack::Stack;
 
-/// Whether the `k`th cause that series have in common, and those of one of them alone (`own`, of each series), are there to take each
-/// other away.
+/// Whether the `k`th common cause of the series, and causes of only one of them (`own`, for each series), cancel each
+/// other.
 pub(crate) fn takes_own_away(
     stack: &Stack<'_>,
     own: &[Vec<Chosen>],

@@ -1,4 +1,4 @@
-//! Arrivals against all others, by the residuals of those:
+//! Arrivals against all others, by the residuals of these:
 //!
 //! ```text
 //! F = (d/k)/((S - d)/(ν - k))      d = e_Aᵀ (M_AA)⁻¹ e_A      k arrivals A
@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use trueaxis_leastsquares::dot;
 use trueaxis_selection::{Projection, ln_f_test};
 
-/// Arrivals of which the model takes more say nothing.
+/// Arrivals of which the model takes more cannot be tested.
 const LEAST_REDUNDANCY: f64 = 1e-6;
 
 /// An arrival that stands out: error and its standard uncertainty, µm.
@@ -28,7 +28,7 @@ pub(crate) struct Tested {
 }
 
 impl Tested {
-    /// None if the model takes them as they are: then they cannot be tested.
+    /// `None` if the model takes them as they are: then they cannot be tested.
     pub(crate) fn new(left: &Projection, arrivals: &[usize], resolution_um: f64) -> Option<Self> {
         let rank = arrivals.len();
         let m = DMatrix::from_fn(rank, rank, |i, k| {
@@ -43,7 +43,7 @@ impl Tested {
         let errors = &inverse * &e;
         let drop = errors.dot(&e);
         let freedom = left.degrees_of_freedom - rank as f64;
-        // No less than the last digit of the readings has.
+        // At least the variance of the last digit of the readings.
         let rest = (left.squares() - drop).max(freedom * resolution_um.powi(2));
         let s = (rest / freedom).sqrt();
         let slip = |(k, error_um): (usize, &f64)| Slip {

@@ -2,12 +2,12 @@
 //!
 //! Each series was judged by itself. Over all of them together ([`Stack`])
 //!
-//! 1. every cause of the machine that a series named is tried with one size for all, and gives its place to one that has
-//!    more evidence there: a second line at another feed tells lost motion from an offset of the time stamps;
+//! 1. every cause of the machine that a series named is tried with one size for all, and is replaced by one that has
+//!    more evidence there: a second line at another feed separates lost motion from an offset of the time stamps;
 //! 2. what no series shows alone, but all together do, joins; what has become superfluous leaves ([`search`]);
-//! 3. a cause whose sizes differ between the series by more than chance (F test of a size for each series) and by more than
-//!    a tenth stays with the series that named it, each with its own. Where they scatter by less, the uncertainty of the
-//!    common size contains that.
+//! 3. a cause whose sizes differ between the series by more than chance (F test of a size for each series) and by
+//!    more than a tenth stays with the series that named it, each with its own. Where they scatter less, this is
+//!    within the uncertainty of the common size.
 //!
 //! A cause that no series named must also gain on unused readings and not imitate what is left in any.
 
@@ -26,19 +26,18 @@ use crate::verification::series::Series;
 use crate::verification::stack::{Stack, is_of_all};
 use crate::verification::take_away::takes_own_away;
 
-/// A cause that two series or more show.
+/// A cause that two or more series show.
 pub(crate) struct Shared {
-    /// Its number among the hypotheses of each series that shows it.
+    /// Its index among the hypotheses of each series that shows it.
     pub(crate) candidates: Vec<Option<usize>>,
-    /// With the size that they have in common.
+    /// With the common size.
     pub(crate) cause: Cause,
 }
 
-/// Part of what a common size explains that sizes of their own may explain beyond it: they scatter by a tenth about their mean.
+/// Share of what a common size explains that separate sizes may add: they scatter by a tenth about their mean.
 const ONE_SIZE: f64 = 0.01;
 
-/// Gives each series the causes that it has in the light of all, and says which of them are common to several; `level` is that
-/// of false alarms.
+/// Gives each series its causes in view of all, and returns those common to several; `level` is that of false alarms.
 pub(crate) fn together(
     all: &mut [Series<'_>],
     calibration: Option<&CalibratedMachine>,
@@ -56,7 +55,7 @@ pub(crate) fn together(
         if found.len() > 1 {
             // As likely as that one of the series had named it.
             drop_superfluous(&stack.listed, &mut found, level * all.len() as f64);
-            // Of two forms of one effect the smaller may be the one that is left out.
+            // Of two forms of one effect the smaller may be missing.
             found = exchanged(&stack.listed, found, level);
         }
         found = search(&stack.listed, found, &[], level);
@@ -81,7 +80,7 @@ pub(crate) fn together(
     for (series, causes) in all.iter_mut().zip(&causes) {
         series.set_causes(causes.clone());
     }
-    // With what wanders beside these causes; whether the sizes scatter is known from the shapes that the series named.
+    // With the disturbances beside these causes; whether sizes scatter is known from the shapes of the series.
     let (stack, _) = stacked(all, &apart, calibration);
     let shared = (0..found.len()).filter_map(|k| {
         let members = stack.members[found[k].candidate].iter().zip(&causes);
@@ -107,7 +106,7 @@ pub(crate) fn together(
     shared.collect()
 }
 
-/// The system of what may be common, but for hypotheses that stay `apart`, and the causes that each series does not share.
+/// The system of what may be common, except hypotheses that stay `apart`, and the causes that series do not share.
 fn stacked<'s>(
     all: &'s [Series<'s>],
     apart: &[Hypothesis],
@@ -118,7 +117,7 @@ fn stacked<'s>(
     (Stack::new(all, &own, is_joint, calibration), own)
 }
 
-/// The causes of a series that it does not have in common with others.
+/// The causes of a series that it does not share with others.
 fn its_own(series: &Series<'_>, is_joint: impl Fn(&Hypothesis) -> bool) -> Vec<Chosen> {
     let candidates = &series.plain.listed.candidates;
     let causes = series.model.causes.iter();
@@ -129,7 +128,7 @@ fn its_own(series: &Series<'_>, is_joint: impl Fn(&Hypothesis) -> bool) -> Vec<C
     causes.filter(is_own).copied().collect()
 }
 
-/// Replacements of causes by others with more evidence, at most.
+/// Most replacements of causes by others with more evidence.
 const MOST_EXCHANGES: usize = 8;
 
 /// The causes with the best shapes over all series; each is replaced by what has more evidence.
@@ -152,7 +151,7 @@ fn exchanged(listed: &Listed, mut causes: Vec<Chosen>, level: f64) -> Vec<Chosen
     causes
 }
 
-/// The forms that hold a cause or are held by it: where its size is not one, theirs is none either.
+/// The forms that contain a cause or are contained in it: where it has several sizes, so have they.
 fn other_forms(listed: &Listed, cause: &Chosen) -> Vec<Hypothesis> {
     let with = |columns: &[Vec<f64>]| listed.base.extended(columns);
     let own = listed.columns_of(cause);
@@ -168,13 +167,13 @@ fn other_forms(listed: &Listed, cause: &Chosen) -> Vec<Hypothesis> {
     forms.map(|candidate| candidate.hypothesis).collect()
 }
 
-/// The sizes of a cause in the series about the one that they have in common.
+/// The sizes of a cause in the series about the common one.
 struct Sizes {
     /// Probability that chance alone scatters them as much (F test of a size for each series).
     p_value: f64,
-    /// What sizes of their own explain beyond the common one, as a part of what that explains.
+    /// What separate sizes explain beyond the common one, as a share of what that explains.
     more: f64,
-    /// What the common size leaves, and what the scatter of the sizes or the noise has if they are not one, variances.
+    /// Variances: of what the common size leaves, and of the scatter of the sizes or of the noise beside them.
     variances: [f64; 2],
 }
 
@@ -203,8 +202,8 @@ impl Sizes {
         }
     }
 
-    /// Whether they scatter by more than chance: then the uncertainty of the common size is that of this scatter (R. T. Birge,
-    /// 1932).
+    /// Whether they scatter by more than chance: then the uncertainty of the common size is that of this scatter (R.
+    /// T. Birge, 1932).
     fn differ(&self) -> bool {
         self.p_value < SIZES_DIFFER
     }
@@ -215,8 +214,8 @@ impl Sizes {
     }
 }
 
-/// Whether two series can show a cause, whether it gains on readings of all series that were not used, with a probability of nine in ten,
-/// and imitates in none that shows it by itself what is left.
+/// Whether two series can show a cause, it gains on unused readings of all series with a probability of nine in ten,
+/// and in none that shows it by itself it imitates what is left.
 fn is_believed(stack: &Stack<'_>, of_each: &[Vec<Chosen>], causes: &[Chosen], k: usize) -> bool {
     let cause = &causes[k];
     let members = stack.members[cause.candidate].iter();

@@ -1,11 +1,11 @@
 //! Ends of the travel at which an axis turned round without going beyond them.
 //!
-//! ISO 230-2 asks for a run beyond the last position, so that it is reached from both sides. Where the axis turns at it, both
-//! readings of it came from one side, whatever the table says: they agree, and everywhere else the sides differ. Taken as it
-//! stands, this is lost motion that the ends do not have, as of a worn drive.
+//! ISO 230-2 asks for a run beyond the last position, so that it is reached from both sides. Where the axis turns at
+//! it, both readings there came from one side, whatever the table says: they agree, while everywhere else the sides
+//! differ. Taken as it is, this is lost motion that the ends do not have, as of a worn drive.
 //!
-//! What the sides differ by at the positions within, in the mean over the cycles, is a straight line (a drift between the way there
-//! and the way back makes it one); an end at which they agree, plainly off this line, has readings of one side.
+//! The difference of the sides at the inner positions, averaged over the cycles, is a straight line (because of drift
+//! on the way there and back); an end at which they agree, plainly off this line, has readings of one side.
 
 use trueaxis_campaign::{Direction, Verification};
 use trueaxis_kinematics::AxisKind;
@@ -15,19 +15,19 @@ use crate::verification::arrivals::is_same;
 use crate::verification::base::{count, lines, places};
 use crate::verification::comparison::{Comparison, line};
 
-/// Positions between the ends, at least: fewer do not show what is alike everywhere.
+/// Fewest positions between the ends: fewer do not show what is alike everywhere.
 const LEAST_WITHIN: usize = 3;
 
-/// Probability that an end which was reached from both sides is taken for one that was not.
+/// Probability of taking an end that was reached from both sides for one that was not.
 const LEVEL: f64 = 1e-4;
 
-/// Probability below which lost motion within is no straight line.
+/// Probability below which the inner lost motion is no straight line.
 const CURVED: f64 = 0.01;
 
-/// What an end has of the lost motion within, at most, if it has none.
+/// Largest share of the inner lost motion at an end that has none.
 const NONE: f64 = 0.25;
 
-/// The positions of such ends of a single line and the side from which the axis came to them, and what is to be said of it.
+/// The positions of such ends of a single line, the side from which the axis came to each, and the notice.
 pub(crate) fn turned(comparison: &Comparison<'_>) -> Option<(Vec<(f64, Direction)>, String)> {
     let axis = comparison.line()?;
     if count(&lines(comparison)) > 1 {
@@ -68,8 +68,8 @@ pub(crate) fn put_right(verification: &mut Verification, ends: &[(f64, Direction
     }
 }
 
-/// What the sides differ by at each position, forward less backward, in each cycle in which both were read; none if a position
-/// lacks that or there are no repeats.
+/// The difference of the sides at each position, forward less backward, in each cycle in which both were read; `None`
+/// if a position lacks that or there are no repeats.
 fn differences(comparison: &Comparison<'_>) -> Option<Vec<Vec<f64>>> {
     let places = places(comparison);
     let numbers = count(&places);
@@ -90,7 +90,7 @@ fn differences(comparison: &Comparison<'_>) -> Option<Vec<Vec<f64>>> {
     all.iter().all(|own| own.len() > 1).then_some(all)
 }
 
-/// Whether the sides agree at an end, and differ by an amount that is straight over the positions at all others but the other end.
+/// Whether the sides agree at an end, and differ by a straight line over the positions between the ends.
 fn agrees_alone(differences: &[Vec<f64>], end: usize, resolution_um: f64) -> bool {
     let mean = |own: &Vec<f64>| own.iter().sum::<f64>() / own.len() as f64;
     let (mut squares, mut freedom) = (0.0, 0.0);
@@ -100,7 +100,7 @@ fn agrees_alone(differences: &[Vec<f64>], end: usize, resolution_um: f64) -> boo
         freedom += own.len() as f64 - 1.0;
     }
     let variance = squares / freedom + 2.0 * resolution_um * resolution_um;
-    // Weighted by the number of cycles: a straight line by the numbers of the positions, about their mean.
+    // Weighted by the number of cycles: a straight line over the indices of the positions, about their mean.
     let within = || (1..differences.len() - 1).map(|k| (k as f64, &differences[k]));
     let weight: f64 = within().map(|(_, own)| own.len() as f64).sum();
     let weighted = |f: &dyn Fn(f64, f64) -> f64| {

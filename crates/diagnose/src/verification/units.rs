@@ -1,4 +1,4 @@
-//! Readings whose numbers look like those of another unit, or like positions, and positions that look like inches.
+//! Readings whose values look like those of another unit, or like positions, and positions that look like inches.
 
 use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::dot;
@@ -7,8 +7,8 @@ use trueaxis_selection::Projection;
 use crate::extremes::extremes;
 use crate::verification::comparison::Comparison;
 
-/// Positions in units that readings come in: the reading for each mm, the part of the range that it may be off by, and the name. A
-/// scale may be wrong by a thousandth, but hardly by just that.
+/// Positions in units in which readings are given: the reading for each mm, the share of the range that it may be off
+/// by, and the name. A scale may be wrong by a thousandth, but hardly by exactly that.
 const POSITIONS: [(f64, f64, &str); 6] = [
     (1.0, 0.005, "mm"),
     (1e3, 0.05, "µm"),
@@ -20,8 +20,8 @@ const POSITIONS: [(f64, f64, &str); 6] = [
 
 const INCH_MM: f64 = 25.4;
 
-/// How much larger than predicted readings in parts of an inch look, the part that this may be off by, and the part of the squares
-/// that the prediction then explains.
+/// How much larger than predicted readings in fractions of an inch look, the share that this may be off by, and the
+/// share of the squares that the prediction then explains.
 const PREDICTED: [(f64, &str); 2] = [
     (1.0 / INCH_MM, "thousandths of an inch"),
     (1e3 / INCH_MM, "microinches"),
@@ -29,14 +29,14 @@ const PREDICTED: [(f64, &str); 2] = [
 const LIKE_PREDICTED: f64 = 0.05;
 const EXPLAINED: f64 = 0.9;
 
-/// Positions that are planned in mm are multiples of this one, mm; as inches they are rounded to a few digits.
+/// Positions planned in mm are multiples of this one, mm; as inches they are rounded to a few digits.
 const PLANNED_MM: f64 = 0.5;
 const ROUNDED_MM: f64 = 0.0005;
 
-/// Of positions that are given as they were planned nothing is left below this one, mm.
+/// Positions given as planned have no digits below this one, mm.
 const FINEST_MM: f64 = 0.01;
 
-/// Positions that make a line.
+/// Fewest positions of a line.
 const LEAST_POSITIONS: usize = 3;
 
 /// Deviations that no linear axis or bar in use has, µm; those of a rotary axis have any radius.
@@ -46,10 +46,10 @@ const BEYOND_MACHINES_UM: f64 = 5e3;
 const BENEATH_MACHINES_UM: f64 = 0.5;
 const LEAST_RANGE_MM: f64 = 10.0;
 
-/// Standard uncertainty from a last digit of 0.0005 µm: few instruments show readings in µm that finely, but 0.0001 mm is common.
+/// Standard uncertainty from a last digit of 0.0005 µm: few instruments show µm so finely, but 0.0001 mm is common.
 const LEAST_DIGIT_UM: f64 = 1.45e-4;
 
-/// What the unit of the readings may be instead, with the numbers that say so.
+/// What the unit of the readings may be instead, with the numbers that show it.
 pub(crate) fn doubt(comparison: &Comparison<'_>) -> Option<String> {
     let values = || comparison.arrivals.iter().map(|a| a.value_um);
     if let Some(unit) = position_unit(comparison) {
@@ -96,7 +96,7 @@ fn linear_range_mm(comparison: &Comparison<'_>) -> Option<f64> {
     is_linear.then_some(comparison.range[1] - comparison.range[0])
 }
 
-/// What readings are of the prediction, and the unit in which they agree with it.
+/// The readings as a multiple of the prediction, and the unit in which they agree with it.
 fn predicted_unit(comparison: &Comparison<'_>) -> Option<(f64, &'static str)> {
     let read: Vec<f64> = comparison.arrivals.iter().map(|a| a.value_um).collect();
     let pairs = read.iter().zip(&comparison.difference_um);
@@ -119,7 +119,7 @@ fn predicted_unit(comparison: &Comparison<'_>) -> Option<(f64, &'static str)> {
         .map(|(_, unit)| (factor, *unit))
 }
 
-/// Whether positions are whole or half millimetres once they are multiplied by 25.4, and not all are given to 0.01 mm before.
+/// Whether positions times 25.4 are whole or half millimetres, and not all are multiples of 0.01 mm before.
 fn are_inches(comparison: &Comparison<'_>) -> bool {
     if linear_range_mm(comparison).is_none() {
         return false;

@@ -1,4 +1,4 @@
-//! Report of what wanders while readings are taken, with units.
+//! Report of the disturbances while readings are taken, with units.
 
 use trueaxis_effects::Level;
 use trueaxis_selection::{Projection, combined};
@@ -11,7 +11,7 @@ use crate::verification::wandering::FittedProcess;
 use crate::{CorrelationLength, CurvePoint, Disturbance, Gain};
 
 /// The disturbances of a problem that has them in its covariance; `after` has the causes in the model, too. `gain` if
-/// there is nothing else that gains.
+/// nothing else gains.
 pub(crate) fn wandered(
     problem: &Problem<'_>,
     courses: &[(&FittedProcess, Course)],
@@ -46,15 +46,15 @@ pub(crate) fn wandered(
     courses.iter().map(report).collect()
 }
 
-/// What wanders, as the readings show it.
+/// A disturbance as the readings show it.
 pub(crate) struct Course {
     posterior: Posterior,
-    /// What it does to the whitened readings.
+    /// Its effect on the whitened readings.
     pub(crate) whitened: Vec<f64>,
 }
 
 impl Course {
-    /// Of something in the covariance of a problem; `after` has the causes in the model, too.
+    /// Of a disturbance in the covariance of a problem; `after` has the causes in the model, too.
     pub(crate) fn new(problem: &Problem<'_>, own: &FittedProcess, after: &Projection) -> Self {
         let columns = own.columns(problem);
         let posterior = Posterior::new(after, &columns);
@@ -65,8 +65,8 @@ impl Course {
     }
 }
 
-/// Each coordinate over the range of the argument with its standard uncertainty, from its mean. `noise_um` is the standard
-/// deviation of the noise that is left.
+/// Each coordinate over the range of the argument with its standard uncertainty, less its mean. `noise_um` is the
+/// standard deviation of the noise that is left.
 pub(crate) fn curve(
     problem: &Problem<'_>,
     own: &FittedProcess,

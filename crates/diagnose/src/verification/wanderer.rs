@@ -1,11 +1,11 @@
-//! What may move in a course that nobody knows while readings are taken.
+//! What may move in an unknown course while readings are taken.
 //!
 //! Over its argument `x`, 0 to 1, each coordinate is a process with Matérn's covariance in half waves
-//! ([`matern_roots`]), as in the lengths, but without its mean: the base model takes that, or it is an effect of the catalogue.
-//! Rows without a clock do not say whether the machine paused between two passes, in which what drifts goes on: each pass, or each
-//! cycle, then may have an offset of its own beside. What goes with time may also swing with one period, as an air conditioning does ([`Form`]).
+//! ([`matern_roots`]), as with lengths, but without its mean: the base model or an effect takes that. Rows without a
+//! clock do not show pauses between passes, in which drifts go on: each pass, or each cycle, may then also have an
+//! offset. A course in time may also swing with one period, as an air conditioning does ([`Form`]).
 //!
-//! Who moves, what and with what is a table of `docs/diagnosis.md` (What wanders, in readings).
+//! What moves, and with what, is in a table of `docs/diagnosis.md` (What wanders in readings).
 
 use std::f64::consts::TAU;
 
@@ -22,11 +22,11 @@ use crate::verification::form::{Form, Functions, Pauses};
 use crate::verification::hypotheses::comes_from_both_sides;
 use crate::{Rival, Wandering};
 
-/// Half waves of each coordinate, at most: five times those of the shortest correlation length. What is cut off would be
+/// Most half waves of each coordinate: five times those of the shortest correlation length. What is cut off would be
 /// taken for the course of something else.
 const MOST_WAVES: usize = 40;
 
-/// Stops of a pass, on average, below which an offset for each would be noise.
+/// Mean stops of a pass below which an offset for each would be noise.
 const LEAST_STOPS: usize = 3;
 
 /// Passes above which their offsets are a course by themselves.
@@ -38,14 +38,14 @@ const POINTS: u32 = 33;
 /// Steps of the number of waves of a swing over the readings: one sixteenth of a wave more or less leaves 98 % of it.
 const WAVE_STEP: f64 = 0.125;
 
-/// Waves of a swing over the readings, at most.
+/// Most waves of a swing over the readings.
 const MOST_SWINGS: f64 = 16.0;
 
-/// Waves over the readings that a swing has more or fewer than there are cycles, or a multiple of them, to differ from all that
-/// repeats with the cycle: with one more or fewer it is orthogonal to that.
+/// Least difference of the waves of a swing over the readings from the number of cycles, or a multiple of it, for it
+/// to differ from all that repeats with the cycle: with a difference of one it is orthogonal to that.
 const FROM_CYCLE: f64 = 0.75;
 
-/// Stops of a period, at least: three of each half, as of the shortest correlation length.
+/// Fewest stops of a period: three of each half, as for the shortest correlation length.
 const STOPS_OF_PERIOD: f64 = 6.0;
 
 /// What wanders.
@@ -83,7 +83,7 @@ pub(crate) fn wanderers(comparison: &Comparison<'_>, calibrated: bool) -> Vec<Wa
 }
 
 impl Wanderer {
-    /// By its public name.
+    /// Its public name.
     pub(crate) fn whose(self, comparison: &Comparison<'_>) -> Wandering {
         let is_of_axis = !matches!(self, Self::Instrument | Self::Machine);
         Wandering {
@@ -106,7 +106,7 @@ impl Wanderer {
         }
     }
 
-    /// As what explains as much as a cause.
+    /// As a rival that explains as much as a cause.
     pub(crate) fn rival(self, comparison: &Comparison<'_>, evidence: f64) -> Rival {
         Rival::Disturbance {
             whose: self.whose(comparison),
@@ -114,7 +114,7 @@ impl Wanderer {
         }
     }
 
-    /// Itself, and the same columns under another name.
+    /// Itself, and what has the same columns under another name.
     pub(crate) fn names(self, comparison: &Comparison<'_>) -> impl Iterator<Item = Self> {
         let twin = match self {
             Self::Instrument => comparison.line().map(|_| Self::Machine),
@@ -135,7 +135,7 @@ impl Wanderer {
         self.is_of_time() || self == Self::SidesInTime
     }
 
-    /// Whether a cause gives a name to its course.
+    /// Whether a cause names its course.
     pub(crate) fn is_course_of(self, cause: &Hypothesis) -> bool {
         match self {
             Self::Instrument | Self::Machine => cause.is_of_time(),
@@ -144,7 +144,7 @@ impl Wanderer {
         }
     }
 
-    /// The course of an arrival, 0 to 1.
+    /// Its argument at an arrival, 0 to 1.
     fn argument(self, comparison: &Comparison<'_>, row: usize) -> f64 {
         let arrival = &comparison.arrivals[row];
         match self.goes_with_time() {
@@ -160,8 +160,8 @@ impl Wanderer {
         u32::try_from(waves).unwrap_or(u32::MAX)
     }
 
-    /// Different arguments: over a line as many as it has positions; of lost motion with time as many as there are passes, since it
-    /// takes two to show it.
+    /// Number of different arguments: over a line the number of its positions; for lost motion with time the number
+    /// of passes, since two are needed to show it.
     fn stops(self, comparison: &Comparison<'_>) -> usize {
         if self == Self::SidesInTime {
             return count(&comparison.passes);
@@ -172,21 +172,21 @@ impl Wanderer {
         }
     }
 
-    /// What a unit of each coordinate does to a reading.
+    /// Effect of a unit of each coordinate on a reading.
     fn seen(self, comparison: &Comparison<'_>, row: usize) -> Vec<f64> {
         let arrival = &comparison.arrivals[row];
         match self {
             Self::Instrument | Self::Position => vec![1.0],
             Self::Machine => comparison.points[row].along.as_slice().to_vec(),
-            // Nobody knows the point from which it grows.
+            // The point from which it grows is unknown.
             Self::Scale => vec![1.0, comparison.travelled(arrival) - 0.5],
-            // Half of what is lost is missing on either side.
+            // Half of the lost motion is missing on either side.
             Self::Sides | Self::SidesInTime => vec![-0.5 * arrival.sides[comparison.axis()]],
         }
     }
 
-    /// Passes, and cycles of more than one pass, between which it may change by more than it does within: where no clock shows how
-    /// long the pauses are.
+    /// Passes, and cycles of more than one pass, between which it may change by more than within them: where no clock
+    /// shows how long the pauses are.
     fn parts(self, comparison: &Comparison<'_>) -> [usize; 2] {
         let passes = count(&comparison.passes);
         let has_stops = LEAST_STOPS * passes <= comparison.arrivals.len();
@@ -197,8 +197,8 @@ impl Wanderer {
         [passes, if cycles < passes { cycles } else { 0 }]
     }
 
-    /// What a unit of each coefficient does to the readings, coordinate after coordinate; alike for all smooth forms: the offsets of the
-    /// passes have a root of zero in those without pauses.
+    /// Effect of a unit of each coefficient on the readings, coordinate by coordinate; the same for all smooth forms:
+    /// the offsets of the passes have a root of zero in those without pauses.
     pub(crate) fn columns(self, comparison: &Comparison<'_>, form: Form) -> Vec<Vec<f64>> {
         let functions = self.functions(comparison, form);
         let rows = parts(comparison)
@@ -225,7 +225,7 @@ impl Wanderer {
         }
     }
 
-    /// Standard deviations of the coefficients, coordinate after coordinate.
+    /// Standard deviations of the coefficients, coordinate by coordinate.
     pub(crate) fn roots(self, comparison: &Comparison<'_>, form: Form) -> Vec<f64> {
         let roots = self.functions(comparison, form).roots();
         roots.repeat(self.seen(comparison, 0).len())
@@ -250,8 +250,8 @@ impl Wanderer {
         pauses.iter().flat_map(of_lengths).collect()
     }
 
-    /// Periods that are tried, of what goes with time by a clock: without one nobody knows the phase after a pause. What is quicker
-    /// than a pass from end to end varies with the position and the side as well.
+    /// Periods that are tried, of what goes with time by a clock: without one the phase after a pause is unknown.
+    /// What is quicker than a pass from end to end varies with the position and the side as well.
     pub(crate) fn periods(self, comparison: &Comparison<'_>) -> Vec<f64> {
         if !self.is_of_time() || !comparison.timed {
             return Vec::new();
@@ -272,7 +272,7 @@ impl Wanderer {
         (waves - nearest).abs() < FROM_CYCLE
     }
 
-    /// Where its curve is shown, in the unit of its argument, with the basis there.
+    /// Positions at which its curve is shown, in the unit of its argument, with the basis there.
     pub(crate) fn shown(self, comparison: &Comparison<'_>, form: Form) -> Vec<(f64, Vec<f64>)> {
         let ([first, last], _) = self.range(comparison);
         let functions = self.functions(comparison, form);
@@ -305,7 +305,7 @@ impl Wanderer {
     }
 }
 
-/// For each arrival the number of its pass, and of its cycle among those that follow each other.
+/// For each arrival the index of its pass, and of its cycle among consecutive ones.
 fn parts(comparison: &Comparison<'_>) -> Vec<[usize; 2]> {
     let cycles = numbered_in_a_row(&comparison.arrivals, is_of_cycle);
     let parts = comparison.passes.iter().zip(cycles);
@@ -316,7 +316,7 @@ fn is_of_cycle(a: &Arrival, b: &Arrival) -> bool {
     a.cycle == b.cycle
 }
 
-/// From the start of a cycle to that of the next, the pause between them included, as a part of the time of all readings (median).
+/// From the start of a cycle to the next, including the pause between, as a share of the time of all (median).
 fn between_cycles(comparison: &Comparison<'_>) -> f64 {
     let numbers = cycles(comparison);
     let mut starts = vec![f64::INFINITY; count(&numbers)];

@@ -1,4 +1,4 @@
-//! What wanders beside causes: judged as in the lengths, by its evidence ([`Smooth`]) and a p-value of all together.
+//! Disturbances beside causes: judged as with lengths, by their evidence ([`Smooth`]) and a p-value of all together.
 
 use trueaxis_effects::{CROSS_COUPLING, Layer, POSITION_DEPENDENT_BACKLASH, Shape};
 use trueaxis_selection::{ALIKE, DECISIVE, Fit, Hypothesis, Projection, by_evidence, ln_f_test};
@@ -12,10 +12,10 @@ use crate::verification::problem::Problem;
 use crate::verification::wandered::curve;
 use crate::verification::wanderer::{Wanderer, wanderers};
 
-/// More that wander at once cannot be separated.
+/// Most disturbances: more at once cannot be separated.
 const MOST: usize = 2;
 
-/// Something that wanders, with its judgement beside the others.
+/// A disturbance, with its judgement beside the others.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FittedProcess {
     pub(crate) wanderer: Wanderer,
@@ -28,13 +28,13 @@ pub(crate) struct FittedProcess {
     pub(crate) rivals: Vec<Wanderer>,
 }
 
-/// What wanders beside causes, one after the other.
+/// The disturbances beside causes, one after the other.
 pub(crate) fn wandering(plain: &Problem<'_>, causes: &[Chosen]) -> Vec<FittedProcess> {
     let mut all = wanderers(plain.comparison, plain.calibrated);
     if beyond_drives(plain, causes).is_some() {
         all.retain(|wanderer| !wanderer.is_of_time());
     }
-    // There one of the two is both, and with the other one beside it of any size and slope.
+    // Position after position, lost motion along the axis and in time are one, whatever their size and slope.
     let effect = |cause: &Chosen| plain.listed.hypothesis(cause).effect;
     let changes = |cause: &Chosen| effect(cause) == POSITION_DEPENDENT_BACKLASH;
     if plain.comparison.is_position_after_position() && causes.iter().any(changes) {
@@ -73,7 +73,7 @@ pub(crate) fn wandering(plain: &Problem<'_>, causes: &[Chosen]) -> Vec<FittedPro
     own
 }
 
-/// Each with the size that it has beside the others; without those that are not significant there.
+/// Each with its size beside the others; without those that are not significant there.
 fn again(
     plain: &Problem<'_>,
     causes: &[Chosen],
@@ -94,8 +94,8 @@ fn again(
     own
 }
 
-/// Whether lost motion of a line explains something that is explained as well by what wanders with time, as where one side was read
-/// before the other: what the readings tell of it is then taken.
+/// Whether lost motion of a line explains something that a disturbance in time explains as well, as where one side
+/// was read before the other: then the disturbance takes what the readings show of it.
 fn hides_lost_motion(problem: &Problem<'_>, causes: &[Chosen], own: &FittedProcess) -> bool {
     let comparison = problem.comparison;
     if comparison.line().is_none() || !own.wanderer.is_of_time() {
@@ -112,7 +112,7 @@ fn hides_lost_motion(problem: &Problem<'_>, causes: &[Chosen], own: &FittedProce
         && (!beside.seen[0] || alone.covariance[0] < (1.0 - ALIKE * ALIKE) * beside.covariance[0])
 }
 
-/// What may have wandered in place of cause `k` of several: what has more evidence than it, as in the lengths.
+/// Disturbances that may replace cause `k` of several: those with more evidence, as with lengths.
 pub(crate) fn rival_disturbances(
     problem: &Problem<'_>,
     known: &[FittedProcess],
@@ -143,9 +143,9 @@ pub(crate) fn rival_disturbances(
         .collect()
 }
 
-/// What nothing in one file tells from a cause, and has no name in the catalogue. No shift or drift of the machine turns a rotary
-/// axis: an encoder, a clamp or a belt that slips is the machine with time. And an instrument warms up as a machine does. On a circle a
-/// coupling `c x y` of X is a bow `c x²` of X towards Y, since both are `c r² cos²φ sin φ` along the bar; only a calibration knows bows.
+/// What one file cannot separate from a cause, without a name in the catalogue. No shift or drift of the machine
+/// turns a rotary axis: a slipping encoder, clamp or belt is the machine with time; an instrument warms up, too. On a
+/// circle a coupling `c x y` of X is a bow `c x²` of X to Y (both `c r² cos²φ sin φ`); only a calibration knows bows.
 fn twin(problem: &Problem<'_>, hypothesis: &Hypothesis) -> Option<Wanderer> {
     let comparison = problem.comparison;
     let is_bow = hypothesis.effect == CROSS_COUPLING && !problem.calibrated;
@@ -160,8 +160,8 @@ fn twin(problem: &Problem<'_>, hypothesis: &Hypothesis) -> Option<Wanderer> {
     warms_up.then_some(Wanderer::Instrument)
 }
 
-/// What one explains of what a model with causes leaves. Smooth courses and swings are equally likely beforehand, and so is
-/// each correlation length and each period.
+/// What one explains of what a model with causes leaves. Smooth courses and swings are equally likely a priori, and
+/// so is each correlation length and each period.
 fn judge(
     problem: &Problem<'_>,
     causes: &[Chosen],
@@ -172,8 +172,8 @@ fn judge(
     let model = problem.listed.with(causes);
     let smooth = wanderer.smooth(comparison);
     let periods = wanderer.periods(comparison);
-    // What repeats with the cycle is a function of position and side of approach, of whatever form. Instead of a cause of such a
-    // form it may be simpler, but beside one it would take a part of it.
+    // What repeats with the cycle is a function of position and side of approach, of whatever form. It may be simpler
+    // than a cause of such a form, but beside one it would take a part of it.
     let is_of_position = |cause: &Chosen| !problem.listed.hypothesis(cause).is_of_time();
     let takes_its_part = causes.iter().any(is_of_position);
     let is_its_own =
@@ -187,7 +187,7 @@ fn judge(
     let best = all
         .iter()
         .max_by(|a, b| (a.smooth.evidence - a.price).total_cmp(&(b.smooth.evidence - b.price)))?;
-    // What the data do not show is as likely with as without it.
+    // What the data do not show is as likely with it as without.
     let most = best.smooth.evidence.max(0.0);
     let unseen = 1.0 - all.iter().map(Judged::weight).sum::<f64>();
     let seen = all
@@ -206,7 +206,7 @@ fn judge(
     is_plausible(problem, &model, &own).then_some(own)
 }
 
-/// Whether an axis grows and shrinks by no more than an axis can, three standard uncertainties considered.
+/// Whether an axis grows and shrinks by no more than an axis can, allowing for three standard uncertainties.
 fn is_plausible(problem: &Problem<'_>, model: &Projection, own: &FittedProcess) -> bool {
     let comparison = problem.comparison;
     let is_growth = |candidate: &&Candidate| {
@@ -236,9 +236,9 @@ const MM_PER_UM_PPM: f64 = 1e3;
 struct Judged {
     form: Form,
     smooth: Smooth,
-    /// How many of their kind there are.
+    /// Number of forms of its kind.
     tried: usize,
-    /// `-2 ln` of their probability beforehand.
+    /// `-2 ln` of their prior probability.
     price: f64,
 }
 
@@ -264,7 +264,7 @@ impl Judged {
         })
     }
 
-    /// Probability beforehand.
+    /// Prior probability.
     fn weight(&self) -> f64 {
         (-0.5 * self.price).exp()
     }
@@ -274,7 +274,7 @@ impl Judged {
 const KINDS: usize = 2;
 
 impl FittedProcess {
-    /// What a standard deviation beforehand of each coefficient does to the whitened readings.
+    /// Effect of an a priori standard deviation of each coefficient on the whitened readings.
     pub(crate) fn columns(&self, problem: &Problem<'_>) -> Vec<Vec<f64>> {
         let columns = self.wanderer.columns(problem.comparison, self.form);
         let roots = self.wanderer.roots(problem.comparison, self.form);
@@ -285,7 +285,7 @@ impl FittedProcess {
         scaled.collect()
     }
 
-    /// How many forms were tried that are as likely beforehand.
+    /// Number of forms tried that are equally likely a priori.
     pub(crate) fn tried(&self, problem: &Problem<'_>) -> usize {
         let comparison = problem.comparison;
         let of_kind = match self.form {

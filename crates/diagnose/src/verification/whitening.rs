@@ -1,8 +1,8 @@
 //! Readings divided by their noise.
 //!
-//! Errors of arrivals that follow each other may be alike: those of a first-order autoregressive process in continuous time
-//! (Jones, *Fitting a continuous time autoregression to discrete data*, 1981) have the correlation `ρ^(t/T)`, where T is the usual time
-//! between two arrivals. Without what is known from the one before they are independent:
+//! Errors of consecutive arrivals may be alike: those of a first-order autoregressive process in continuous time
+//! (Jones, *Fitting a continuous time autoregression to discrete data*, 1981) have the correlation `ρ^(t/T)`, where T
+//! is the usual time between two arrivals. Less what is known from the previous one they are independent:
 //!
 //! ```text
 //! y'_i = (y_i - r_i y_{i-1}) / (σ √(1 - r_i²))      r_i = ρ^((t_i - t_{i-1})/T),  r_0 = 0
@@ -12,10 +12,10 @@ use trueaxis_leastsquares::median;
 
 use crate::verification::arrivals::Arrival;
 
-/// Times between two arrivals, in usual ones, at least: what a table rounds to zero is none.
+/// Least time between two arrivals, in units of the usual time: what a table rounds to zero is not zero.
 const LEAST_LAG: f64 = 0.1;
 
-/// Of each arrival the time since the one before it, in usual ones; one without a clock.
+/// For each arrival the time since the previous one, in units of the usual time; one without a clock.
 pub(crate) fn lags(arrivals: &[Arrival], timed: bool) -> Vec<f64> {
     let gaps = arrivals.windows(2).map(|two| two[1].time_s - two[0].time_s);
     let mut sorted: Vec<f64> = gaps.clone().collect();
@@ -26,10 +26,10 @@ pub(crate) fn lags(arrivals: &[Arrival], timed: bool) -> Vec<f64> {
         .collect()
 }
 
-/// What columns over the readings, in µm, are multiplied by for noise of variance one.
+/// Factors of columns over the readings, in µm, for noise of variance one.
 #[derive(Clone, Copy)]
 pub(crate) struct Whitening<'a> {
-    /// Of each reading the time since the one before it ([`lags`]).
+    /// For each reading the time since the previous one ([`lags`]).
     pub(crate) lags: &'a [f64],
     /// Standard deviation of an arrival, µm.
     pub(crate) sigma_um: f64,
@@ -71,7 +71,7 @@ impl Whitening<'_> {
         variances.map(f64::ln).sum()
     }
 
-    /// The part of the error of an arrival that is known from the one before it.
+    /// Share of the error of an arrival that is known from the previous one.
     fn known(&self, row: usize) -> f64 {
         self.correlation.powf(self.lags[row])
     }

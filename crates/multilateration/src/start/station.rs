@@ -1,4 +1,4 @@
-//! Where one station stands, from the nominal points that it sees.
+//! The position of one station, from the nominal points that it sees.
 //!
 //! For one station with centred and scaled coordinates the square of `l + L = |p - S|` is linear
 //! in `S`, `L` and `q = |S|² - L²`:
@@ -7,8 +7,8 @@
 //! 2 pᵀS + 2 l L - q = |p|² - l²
 //! ```
 //!
-//! Points that are all in one plane leave the side of the plane on which the station stands open;
-//! so do, in practice, points that are nearly so. Both sides are tried, and a tie is handed on.
+//! If all points lie in one plane, or nearly so, they leave open on which side of the plane the station stands. Both
+//! sides are tried; if they fit equally well, both are returned.
 
 use nalgebra::{DMatrix, Matrix3, Matrix4, Point3, Unit, Vector3, Vector4};
 use trueaxis_leastsquares::{Error as LeastSquaresError, dense};
@@ -16,10 +16,10 @@ use trueaxis_leastsquares::{Error as LeastSquaresError, dense};
 use super::POOR_FIT;
 use crate::Station;
 
-/// A fit as good as another within this factor does not decide between two mirror images.
+/// Two mirror images are undecided if their fits differ by less than this factor,
 const TIE: f64 = 1.01;
 
-/// Nor does a difference of this, mm: nominal positions are not known to a micrometre.
+/// or by less than this, mm: nominal positions are not known to a micrometre.
 const TIE_MM: f64 = 1e-3;
 
 const MAX_ITERATIONS: usize = 200;
@@ -35,7 +35,7 @@ pub(super) struct Cloud {
     centroid: Point3<f64>,
     pub(super) radius_mm: f64,
     mean_length_mm: f64,
-    /// Direction in which the points spread least, its largest part positive.
+    /// Direction in which the points spread least; its largest component is positive.
     normal: Unit<Vector3<f64>>,
 }
 
@@ -83,8 +83,8 @@ pub(super) struct StationFit {
     pub(super) rms_mm: f64,
 }
 
-/// All fits that are as good as the best one. The first is nearest to `approx`, or without it on
-/// the side to which the normal of the points leads.
+/// All fits as good as the best one. The first is the nearest to `approx` or, without it, on the side to which the
+/// normal of the points leads.
 pub(super) fn find_station(
     sightings: &[Sighting],
     cloud: &Cloud,
@@ -120,8 +120,8 @@ fn best_fits(sightings: &[Sighting], starts: &[Point3<f64>]) -> Vec<StationFit> 
     fits
 }
 
-/// Solutions of the linear equations; two where the points leave one combination free and the
-/// definition of `q` closes it with a quadratic equation.
+/// Solutions of the linear equations; two where the points leave one combination free, which the definition of `q`
+/// then determines by a quadratic equation.
 fn linear_candidates(sightings: &[Sighting], cloud: &Cloud) -> Vec<Point3<f64>> {
     let unit_mm = cloud.radius_mm;
     let scaled = |s: &Sighting| {
@@ -140,8 +140,8 @@ fn linear_candidates(sightings: &[Sighting], cloud: &Cloud) -> Vec<Point3<f64>> 
     match dense::solve(&design, &right) {
         Ok(fit) => vec![position(Vector3::from_column_slice(&fit.unknowns[..3]))],
         Err(LeastSquaresError::DenseRank { rank: 4, .. }) => {
-            // The points lie in a plane: nothing is known across it, so the foot of the station
-            // is found without it and the height follows from q = |S|² - L².
+            // The points lie in a plane: the linear equations give the foot of the station in it, and the height
+            // follows from q = |S|² - L².
             planar_candidates(design, &right, cloud.normal)
                 .into_iter()
                 .map(position)
@@ -156,7 +156,7 @@ fn planar_candidates(
     right: &[f64],
     normal: Unit<Vector3<f64>>,
 ) -> Vec<Vector3<f64>> {
-    // Express S in two directions of the plane; the column across it becomes superfluous.
+    // Express S in two directions of the plane; the column normal to it is not needed.
     let u = Unit::new_normalize(normal.cross(&Vector3::ith(normal.iamin(), 1.0)));
     let v = normal.cross(&u);
     let in_plane = DMatrix::from_fn(design.nrows(), 4, |i, k| {
@@ -178,7 +178,7 @@ fn planar_candidates(
         .to_vec()
 }
 
-/// Starts all around the points, for when the linear ones fail.
+/// Starts all around the points, in case the linear ones fail.
 fn surrounding(cloud: &Cloud) -> Vec<Point3<f64>> {
     let mut starts = Vec::new();
     for distance in [1.5, 3.0, 6.0, 12.0] {
@@ -192,7 +192,7 @@ fn surrounding(cloud: &Cloud) -> Vec<Point3<f64>> {
     starts
 }
 
-/// Levenberg–Marquardt on the four unknowns of one station; the points stay where they are.
+/// Levenberg–Marquardt on the four unknowns of one station; the points are held.
 fn refine(sightings: &[Sighting], start: Point3<f64>) -> Option<StationFit> {
     let mut position = start;
     let mut dead_path = mean_dead_path(sightings, position);

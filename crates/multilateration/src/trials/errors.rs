@@ -1,4 +1,4 @@
-//! Errors of lengths, drawn from the noise that weighs them.
+//! Errors of lengths, drawn from the noise that determines the weights.
 //!
 //! With the factor `C = L Lᵀ` of the covariance of one visit's lengths, errors are `e = L z` with
 //! standard normal `z`.
@@ -34,7 +34,7 @@ impl ErrorNoise {
         }
     }
 
-    /// Takes the factors of the visits to the groups of a batch with these rows.
+    /// Takes the factors of the visits to the groups of a batch.
     pub(crate) fn take(
         &mut self,
         (network, by_group): (&Network, &VisitsByGroup),

@@ -14,25 +14,25 @@ use crate::slots::Slots;
 use crate::state::{DATUM, PER_STATION, zero_column};
 use crate::tie::Tie;
 
-/// Eight groups at the solution.
+/// Eight groups of a solved network.
 #[derive(Debug, Clone)]
 pub(crate) struct TrialGroups {
     batches: Arc<Vec<Batch>>,
-    /// The number of theirs.
+    /// The number of the batch.
     number: usize,
     unknowns: usize,
     /// The reading of each slot; none where it is missing.
     readings: Vec<[Option<usize>; LANES]>,
-    /// From the station of each slot to its point, mm, and how far that is.
+    /// From the station of each slot to its point, mm, and the length of that vector.
     beams_mm: Vec<[Lanes; 3]>,
     distances_mm: Vec<Lanes>,
-    /// `P = C⁻¹` of each visit, rows one after the other; zero where there is no reading.
+    /// `P = C⁻¹` of each visit, rows one after the other; zero where a reading is missing.
     weights: Vec<Lanes>,
-    /// The column of the dead path of each slot, where that is not the station's for all lanes.
+    /// The column of the dead path of each slot, where it is not the station's in all lanes.
     zeros: Vec<[usize; LANES]>,
     tie: Option<Tie>,
-    /// Lever arms of the rotations of the datum at the nominal points, x y z of each; and one in lanes with a
-    /// group, zero in others.
+    /// Lever arms of the rotations of the datum at the nominal points, x y z of each; and one in lanes with a group,
+    /// zero in others.
     levers: Vec<Lanes>,
     used: Lanes,
     /// `D` and `Z`, rows one after the other.
@@ -46,20 +46,20 @@ pub(crate) struct At<'a> {
     pub(crate) shared: &'a [f64],
 }
 
-/// Numbers that one step passes on.
+/// Intermediate results of one correction.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Scratch {
-    /// How far the points have moved, x y z of each, mm, and what pulls at them.
+    /// Displacements of the points, x y z of each, mm, and the gradient with respect to them.
     moved: Vec<Lanes>,
     forces: Vec<Lanes>,
-    /// Arms after the deformation, and turned.
+    /// Arms after the deformation, and after the rotation.
     arms: Vec<Lanes>,
     turned: Vec<Lanes>,
     residuals: Vec<Lanes>,
     units: Vec<[Lanes; 3]>,
 }
 
-/// A vector turned by a rotation vector to second order: the third is below 1e-15 of it.
+/// A vector turned by a rotation vector, to second order: the third-order part is below 1e-15 of it.
 #[inline(always)]
 fn turned(by: LaneVector, x: LaneVector) -> LaneVector {
     let once = cross(by, x);
@@ -68,7 +68,7 @@ fn turned(by: LaneVector, x: LaneVector) -> LaneVector {
 }
 
 impl TrialGroups {
-    /// Batch `b` with these rows, whose readings are in these slots.
+    /// Batch `b` with these rows; `slots` has the places of its readings.
     pub(crate) fn new(
         influence: &BatchInfluence<'_>,
         b: usize,
@@ -102,7 +102,7 @@ impl TrialGroups {
             weights.resize(first + count * count, Lanes::ZERO);
             add_product(&mut weights[first..], errors.transposed(), errors);
         }
-        // Lanes without a group would count twice.
+        // A repeated group would count twice.
         let used = Lanes::mask(batch.groups.len());
         let mut levers = Vec::new();
         let nominal_mm = batch.own(&influence.model.network.nominal_mm);
@@ -159,14 +159,14 @@ impl TrialGroups {
         self.batch().points
     }
 
-    /// Writes the errors of the readings of each slot, zeros where there is none.
+    /// Writes the errors of the readings of each slot, zero where a reading is missing.
     pub(crate) fn take_errors(&self, errors_mm: &[f64], of_slots: &mut [Lanes]) {
         for (errors, readings) in of_slots.iter_mut().zip(&self.readings) {
             *errors = Lanes::from_fn(|lane| readings[lane].map_or(0.0, |i| errors_mm[i]));
         }
     }
 
-    /// How far the points have moved; of tied ones also their arms as they are.
+    /// Computes the displacements of the points; for tied points also their present arms.
     #[inline(always)]
     fn displace(&self, values: &At<'_>, scratch: &mut Scratch) {
         let Scratch {
@@ -201,8 +201,8 @@ impl TrialGroups {
         }
     }
 
-    /// Adds by how much the points that moved miss the constraints of the datum: turned bodies do, to second
-    /// order.
+    /// Adds what the displaced points lack of satisfying the constraints of the datum: for turned bodies it is of
+    /// second order.
     #[inline(always)]
     pub(crate) fn add_to_closure(&self, closure: &mut [Lanes; DATUM], scratch: &Scratch) {
         for point in 0..self.points() {
@@ -212,8 +212,8 @@ impl TrialGroups {
         }
     }
 
-    /// Writes the exact gradient of the groups' unknowns where these values have led, and adds that of the
-    /// shared ones.
+    /// Writes the exact gradient with respect to the groups' unknowns at these values, and adds that of the shared
+    /// ones.
     #[inline(always)]
     pub(crate) fn gradient(
         &self,
@@ -285,7 +285,7 @@ impl TrialGroups {
         }
     }
 
-    /// Errors less what the moved points, stations and dead paths make of the lengths, and the beams there.
+    /// Errors less the change of the lengths by the displaced points, stations and dead paths, and the beams there.
     #[inline(always)]
     fn take_residuals(&self, errors_mm: &[Lanes], values: &At<'_>, scratch: &mut Scratch) {
         let Scratch {
@@ -328,7 +328,7 @@ impl TrialGroups {
         }
     }
 
-    /// Adds `D g - Z (s, λ)` to the unknowns; its product with the gradient.
+    /// Adds `D g - Z (s, λ)` to the unknowns; returns the product of this correction with the gradient.
     #[inline(always)]
     pub(crate) fn correct(&self, step: &[f64], gradient: &[Lanes], own: &mut [Lanes]) -> Lanes {
         let mut along = Lanes::ZERO;
@@ -344,7 +344,7 @@ impl TrialGroups {
         along * self.used
     }
 
-    /// Writes the corrections of the groups, which start at these places, and of their points.
+    /// Writes the corrections of the groups, whose unknowns start at `starts`, and of their points.
     #[inline(always)]
     pub(crate) fn hand_out(
         &self,
@@ -367,7 +367,7 @@ impl TrialGroups {
     }
 }
 
-/// `Σ a_i b_i` in four sums that do not wait for each other.
+/// `Σ a_i b_i` in four independent sums, which the processor adds side by side.
 #[inline(always)]
 fn product<T>(a: &[Lanes], b: &[T], in_lanes: impl Fn(&T) -> Lanes) -> Lanes {
     let ((a_fours, a_rest), (b_fours, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());

@@ -1,4 +1,4 @@
-//! Measured coordinates to points: repeats averaged, brought into the datum.
+//! From measured coordinates to points: repeats averaged, moved into the datum.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -8,7 +8,7 @@ use trueaxis_kinematics::{Ideal, MICROMETRE, best_fit};
 
 use crate::points::{GroupReading, MeasuredPoints, PointGroup, PointNoise};
 
-/// Standard deviation of a coordinate where none is declared: the scatter then decides.
+/// Standard deviation of a coordinate where none is declared: it only makes weights equal.
 const UNDECLARED_SIGMA_MM: f64 = 1e-3;
 
 /// One target's readings at one step.
@@ -35,7 +35,7 @@ impl Sample {
         places.sum::<Vector3<f64>>() / self.weight()
     }
 
-    /// The readings of the target at `place`, off their mean, which is in the instrument's frame.
+    /// The readings of the target at `place`, relative to their mean; both are in the instrument's frame.
     fn off_mean(&self, place: usize, repeatability_variance_mm2: f64) -> Vec<GroupReading> {
         let (mean, sum) = (self.mean(), self.weight());
         let reading = |r: &SampleReading| GroupReading {
@@ -51,7 +51,7 @@ impl Sample {
     }
 }
 
-/// The averaged points in the datum. Readings of one visit share the repeatability error, of this standard deviation.
+/// The averaged points in the datum. Readings of one visit share an error of this repeatability.
 pub(crate) fn points_from_coordinates(
     campaign: &Campaign,
     points: &Points,
@@ -65,7 +65,7 @@ pub(crate) fn points_from_coordinates(
     let mut groups: Vec<PointGroup> = Vec::new();
     let mut readings: Vec<Vec<GroupReading>> = Vec::new();
     let all = samples_of_steps(points, by_direction).into_iter();
-    // What stands on the bed is in no pose, has no repeatability, and is not where the campaign says.
+    // Targets on the bed have no pose and no repeatability, and their campaign positions are only rough.
     let in_runs = all.filter(|(step, ..)| campaign.steps[*step].run.is_some());
     for (step, direction, samples) in in_runs {
         let positions = &campaign.steps[step].positions;
@@ -85,7 +85,7 @@ pub(crate) fn points_from_coordinates(
             (&mut noise, repeatability_variance_mm2),
             (&mut instrument, 0.0),
         ] {
-            // Equal in all directions, so that the datum's rotation does not change it.
+            // The variance is equal in all directions, so rotating into the datum does not change it.
             noise.own.push(covariance(&all, variance_mm2));
             noise.coupling.push(DMatrix::zeros(3 * samples.len(), 0));
         }
@@ -133,7 +133,7 @@ impl PointNoise {
     }
 }
 
-/// A step, its side of approach where kept apart, and the readings of its targets.
+/// A step, its side of approach if the sides are kept apart, and the readings of its targets.
 type StepSamples = (usize, Option<Direction>, BTreeMap<usize, Sample>);
 
 /// The steps in measuring order.

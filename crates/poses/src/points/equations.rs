@@ -1,8 +1,7 @@
 //! Poses from points: the nine equations of each step (paper Eqs. 20 and 21), or six of them.
 //!
-//! Each body's points at all steps make its poses and its shape ([`trueaxis_identify::poses_of_body`]); what
-//! the bodies have in common are the shared sources of the points ([`crate::points::PointNoise`]), to which each
-//! shape adds its own.
+//! The points of each body at all steps give its poses and its shape ([`trueaxis_identify::poses_of_body`]). The
+//! bodies share the sources of the points ([`crate::points::PointNoise`]); each shape adds its own.
 
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix6xX, Point3};
 use trueaxis_campaign::Campaign;
@@ -18,7 +17,7 @@ use crate::poses::{PoseNoise, PoseObservation, Poses, TargetBody};
 use crate::settings::Method;
 use crate::words::{MIN_TARGETS, step_in_words, target_names, too_few_targets};
 
-/// Poses with the equations that they solve.
+/// Poses with the equations that give them.
 pub(crate) struct PointPoses {
     pub(crate) poses: Poses,
     pub(crate) equations: PointEquations,
@@ -27,18 +26,18 @@ pub(crate) struct PointPoses {
 /// The equations of all steps at their solution.
 pub(crate) struct PointEquations {
     pub(crate) bodies: Vec<BodyPoses>,
-    /// Where each pose comes from.
+    /// The source of each pose.
     pub(crate) sources: Vec<Source>,
 }
 
-/// Where a pose comes from.
+/// The points that a pose comes from.
 #[derive(Debug, Clone)]
 pub(crate) struct Source {
     /// The measured group, and the places of the body's points in it.
     pub(crate) group: usize,
     pub(crate) places: Vec<usize>,
     pub(crate) body: usize,
-    /// Number among the steps of the body.
+    /// Index among the steps of the body.
     pub(crate) step: usize,
 }
 
@@ -106,8 +105,8 @@ pub(crate) fn poses_from_points(
     Ok(PointPoses { poses, equations })
 }
 
-/// For each run the targets that its axis moves. Targets that were not measured at every step of a run are left
-/// out: the shape must be the same function of the points at every step.
+/// For each run the targets that its axis moves. Targets not measured at every step of a run are left out: the shape
+/// must be the same function of the points at every step.
 fn targets_of_runs(campaign: &Campaign, points: &MeasuredPoints) -> Result<Vec<Vec<usize>>, Error> {
     let mut common: Vec<Option<Vec<usize>>> = vec![None; campaign.runs.len()];
     for group in &points.groups {
@@ -139,7 +138,7 @@ fn targets_of_runs(campaign: &Campaign, points: &MeasuredPoints) -> Result<Vec<V
     Ok(common.into_iter().map(Option::unwrap_or_default).collect())
 }
 
-/// The bodies with their nominal shapes, and where each pose comes from.
+/// The bodies with their nominal shapes, and the source of each pose.
 fn nominal_bodies(
     campaign: &Campaign,
     points: &MeasuredPoints,
@@ -158,8 +157,8 @@ fn nominal_bodies(
         let outermost = Some(outermost.unwrap_or(campaign.runs[run].axis));
         let one_carrier = targets.iter().all(|t| carrier_of(t) == outermost);
         let nominal = machine.motion(&Ideal, outermost, &step.positions);
-        // On several carriers targets are one body during this run only, and at home where the
-        // outermost carrier would bring them from.
+        // Targets on several carriers are one body only during this run; their home is where the outermost carrier
+        // has them when it is at home.
         let key = ((!one_carrier).then_some(run), targets.as_slice());
         let known = keys.iter().position(|known| *known == key);
         let body = known.unwrap_or_else(|| {
@@ -195,7 +194,7 @@ fn nominal_bodies(
     (bodies, sources)
 }
 
-/// A step that gives no pose, in the words of the campaign.
+/// The error for a step without a pose, named as in the campaign.
 fn refused(campaign: &Campaign, step: usize, targets: &[usize], error: &Identify) -> Error {
     let in_words = step_in_words(campaign, step);
     let names = target_names(campaign, targets);
@@ -230,7 +229,7 @@ fn refused(campaign: &Campaign, step: usize, targets: &[usize], error: &Identify
 }
 
 impl PointEquations {
-    /// Those of each pose.
+    /// The steps of all poses.
     pub(crate) fn steps(&self) -> impl Iterator<Item = &StepPose> {
         self.sources.iter().map(|source| self.step(source))
     }
@@ -263,8 +262,8 @@ impl PointEquations {
         [gain(used.matrix()), plain]
     }
 
-    /// The measured poses for other points near the measured ones, with the same operators: `errors_mm` are
-    /// the displacements of the points of each group, x y z of each.
+    /// The poses for points near the measured ones, by the same operators: `errors_mm` are the displacements of the
+    /// points of each group, x y z of each.
     pub(crate) fn moved(&self, poses: &Poses, errors_mm: &[&[f64]]) -> Vec<Isometry3<f64>> {
         let mut of_bodies: Vec<Vec<DVector<f64>>> = vec![Vec::new(); self.bodies.len()];
         for source in &self.sources {
@@ -283,7 +282,7 @@ impl PointEquations {
     }
 }
 
-/// The noise of the poses that `noise` of the points makes; nothing if that is not known.
+/// The noise of the poses that follows from `noise` of the points; empty if that is not known.
 fn pose_noise(
     noise: &PointNoise,
     nominal: &[NominalBody],

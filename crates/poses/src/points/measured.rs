@@ -1,4 +1,4 @@
-//! Measured points with their errors: what the nine and the six equations start from.
+//! Measured points with their errors: the input of the nine and the six equations.
 //!
 //! ```text
 //! dp_i = ξ_i - Z_i s     cov(ξ_i) = D_i, independent between steps     cov(s) = Σ
@@ -9,7 +9,7 @@ use trueaxis_campaign::Direction;
 
 use crate::points::equations::Source;
 
-/// All measured points in the datum: best fit to their nominal positions.
+/// All measured points in the datum, the best fit to their nominal positions.
 pub(crate) struct MeasuredPoints {
     pub(crate) groups: Vec<PointGroup>,
     pub(crate) noise: PointNoise,
@@ -23,7 +23,7 @@ pub(crate) struct MeasuredPoints {
     pub(crate) repeatability_variance_mm2: f64,
 }
 
-/// The targets of one step (and side of approach, where kept apart).
+/// The targets of one step (and side of approach, if the sides are kept apart).
 #[derive(Debug, Clone)]
 pub(crate) struct PointGroup {
     pub(crate) step: usize,
@@ -35,23 +35,23 @@ pub(crate) struct PointGroup {
 /// One reading of a point.
 #[derive(Debug, Clone)]
 pub(crate) struct GroupReading {
-    /// The reading of the campaign, and the visit that it belongs to.
+    /// The reading of the campaign, and its visit.
     pub(crate) reading: usize,
     pub(crate) visit: usize,
-    /// The place of its target in the group.
+    /// The index of its target in the group.
     pub(crate) place: usize,
-    /// `1 / σ²` of its own noise, 1/mm², and what part of the point's that is.
+    /// `1 / σ²` of its own noise, 1/mm², and its share of the weight of the point.
     pub(crate) weight: f64,
     pub(crate) share: f64,
     /// Variance of a coordinate with the machine's repeatability, mm².
     pub(crate) variance_mm2: f64,
-    /// From the point, which is the mean, in the datum, mm.
+    /// Difference from the point, which is the mean, in the datum, mm.
     pub(crate) off_mean_mm: Vector3<f64>,
 }
 
 impl MeasuredPoints {
-    /// Covariance of a reading with the point at `place` of its group, of which `readings` are all: along each
-    /// direction, mm².
+    /// Covariance along each direction of a reading with the point at `place` of its group, mm²; `readings` are all
+    /// of the group.
     pub(crate) fn covariance_with_mean(
         &self,
         reading: &GroupReading,

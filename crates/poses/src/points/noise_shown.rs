@@ -1,9 +1,9 @@
 //! The noise that points show, where none is declared or where they reject it.
 //!
-//! The rigid triangle tells the variance of unit weight, into which what all targets of a visit share does not enter; the
-//! repeats tell the rest ([`crate::points::repeats`]). Each part that is declared holds until the points reject it, and is
-//! then replaced alone: a wrong one says nothing of the other. Where each visit sees one target, all that is known
-//! is their sum, and both are multiplied by one factor.
+//! The rigid triangle shows the variance of unit weight, without what all targets of a visit share; the repeats show
+//! the rest ([`crate::points::repeats`]). Each declared part holds until the points reject it, and is then replaced
+//! alone: a wrong one says nothing about the other. Where each visit sees one target, the points show only the sum of
+//! both parts, which get a common factor.
 
 use nalgebra::Matrix2;
 use trueaxis_leastsquares::chi_squared_upper_tail;
@@ -12,26 +12,25 @@ use trueaxis_screening::{LEAST_DEGREES_OF_FREEDOM, LEAST_SEPARATION, TOO_GOOD};
 use crate::points::MeasuredPoints;
 use crate::report::GLOBAL_TEST_LEVEL;
 
-/// No machine returns to its positions worse, mm: repeats that differ by more are mistakes, which multiply all uncertainties. The same
-/// of a micrometre of noise, beside which nothing else would count.
+/// Largest repeatability of a machine, mm, also relative to a micrometre of noise, beside which nothing else would
+/// count: repeats that differ by more are mistakes, and multiply all uncertainties.
 const MOST_REPEATABILITY_MM: f64 = 1.0;
 
 /// What points show of their noise.
 pub(crate) struct NoiseShown {
-    /// Whether all variances, the repeatability's at its new weight included, are multiplied by what the residuals say.
+    /// Whether all variances, including that of the repeatability at its new weight, get a factor from the residuals.
     pub(crate) by_residuals: bool,
-    /// Whether the points tell the instrument's noise from the repeatability.
+    /// Whether the points separate the instrument's noise from the repeatability.
     pub(crate) told_apart: bool,
-    /// The variance of a coordinate by the repeatability in units of the variance of unit weight, mm², where that differs
-    /// from the one with which the points were weighed, and how well both are known
-    /// ([`crate::Poses::relative_covariance`]).
+    /// Variance of a coordinate by the repeatability in units of the variance of unit weight, mm², where it differs
+    /// from that of the weights, and how well both variances are known ([`crate::Poses::relative_covariance`]).
     pub(crate) repeatability: Option<(f64, Matrix2<f64>)>,
-    /// That of the declared repeatability, where the repeats reject it.
+    /// The p-value of the declared repeatability, where the repeats reject it.
     pub(crate) p_value: Option<f64>,
 }
 
-/// The noise of points whose rigid triangle leaves these squares with their degrees of freedom. `declared` says whether the
-/// instrument's noise is, and the repeatability, mm.
+/// The noise of points whose rigid triangle leaves these squares with their degrees of freedom. The last argument
+/// says whether the instrument's noise is declared, and the declared repeatability, mm.
 pub(crate) fn noise_shown(
     points: &MeasuredPoints,
     (squares, degrees): (f64, usize),
@@ -40,7 +39,7 @@ pub(crate) fn noise_shown(
     let told_apart = points.separation() >= LEAST_SEPARATION;
     let by_residuals = degrees > 0 && (!sigma_declared || is_rejected(squares, degrees));
     let degrees = degrees as f64;
-    // All variances will be multiplied by this (at least a nanometre).
+    // The factor on all variances, at least of a nanometre.
     let unit = match by_residuals {
         true => (squares / degrees).max(1e-6),
         false => 1.0,
@@ -50,7 +49,7 @@ pub(crate) fn noise_shown(
     let is_one = |mm2: f64| mm2.max(mm2 / unit) < MOST_REPEATABILITY_MM.powi(2);
     let mut p_value = None;
     let variance = match repeatability_mm.map(|mm| mm * mm) {
-        // Nothing tells it from the noise of the instrument.
+        // Nothing separates the repeatability from the noise of the instrument.
         None if !sigma_declared && !by_residuals => None,
         None => by_repeats().filter(|(mm2, _)| is_one(*mm2)),
         Some(known_mm2) => {
@@ -61,7 +60,7 @@ pub(crate) fn noise_shown(
             if found.is_none() {
                 p_value = None;
             }
-            // One that holds is known; where repeats scatter by more it grows with the others.
+            // A declared repeatability that holds is known; where repeats scatter by more, it grows with the rest.
             let is_kept = by_residuals && known_mm2 > 0.0 && (told_apart || !sigma_declared);
             found.or_else(|| is_kept.then(|| (known_mm2, Matrix2::zeros())))
         }
@@ -74,8 +73,8 @@ pub(crate) fn noise_shown(
     }
 }
 
-/// Whether residuals reject the declared noise of the instrument: they are larger than it explains, or smaller, if they are
-/// many and not those of a calculation.
+/// Whether residuals reject the declared noise of the instrument: they are larger than it explains, or smaller, if
+/// there are many and they are not those of a calculation.
 fn is_rejected(squares: f64, degrees: usize) -> bool {
     let degrees = degrees as f64;
     let above = chi_squared_upper_tail(squares, degrees);

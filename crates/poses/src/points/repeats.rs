@@ -1,18 +1,18 @@
-//! Whether repeated points scatter as declared, and how well the machine returns where that is not.
+//! Whether repeated points scatter as declared, and how well the machine returns if nothing is declared.
 //!
 //! The readings of one visit of a step share the machine's repeatability error, so that their covariance along each
-//! direction is `S = diag(1/w) + ρ² [same visit]`. With `e` the readings less the means of their targets and `X` the
-//! targets, what no constant place of each target explains is
+//! direction is `S = diag(1/w) + ρ² [same visit]`. With the readings `e` less the means of their targets, and the
+//! targets `X`, what no constant position of each target explains is
 //!
 //! ```text
 //! χ² = eᵀ S⁻¹ e - gᵀ (Xᵀ S⁻¹ X)⁻¹ g     g = Xᵀ S⁻¹ e     (S⁻¹ e)_j = w_j (e_j - κ_v Σ_v w e)
 //! ```
 //!
-//! with `κ_v = ρ² / (1 + ρ² Σ_v w)` of its visit (Sherman and Morrison). A displacement that all targets of a visit
-//! share counts once, not once for each target.
+//! with `κ_v = ρ² / (1 + ρ² Σ_v w)` of its visit (Sherman and Morrison). A displacement common to all targets of a
+//! visit counts once, not once for each target.
 //!
-//! An undeclared ρ is what brings the sum of the weighted squares to its expectation (C. R. Henderson, *Biometrics* 9,
-//! 226, 1953, method 1), with the variance `s²` of unit weight from the rigid triangle, that no visit as a whole enters:
+//! An undeclared ρ makes the sum of the weighted squares equal its expectation (C. R. Henderson, *Biometrics* 9, 226,
+//! 1953, method 1), with the variance `s²` of unit weight by the rigid triangle, free of displacements of visits:
 //!
 //! ```text
 //! S = Σ w e²      E S = s² ν + ρ² tr A      A_vv' = Σ_v w [v = v'] - Σ_t w_tv w_tv' / w_t      of all directions and steps
@@ -47,17 +47,17 @@ impl MeasuredPoints {
         })
     }
 
-    /// How far visits tell the noise of the instrument from the machine's repeatability, which all targets of a visit
-    /// share: from 0, where each sees one target, to 1. Of visits that see `n` targets each it is `1 - 1/n`, which is
-    /// `1 - ρ²` of estimates of both parts from the repeats.
+    /// How well visits separate the noise of the instrument from the machine's repeatability, which all targets of a
+    /// visit share: 0 where each visit sees one target, up to 1. For `n` targets in each visit it is `1 - 1/n`, which
+    /// is `1 - ρ²` of the estimates of both parts from the repeats.
     pub(crate) fn separation(&self) -> f64 {
         let readings: usize = self.readings.iter().map(Vec::len).sum();
         let visits: usize = self.readings.iter().map(|of| by_visit(of).len()).sum();
         1.0 - visits as f64 / readings.max(1) as f64
     }
 
-    /// The p-value of repeats that reject this ρ² (mm²), by as much scatter or as little; `None` where they do not.
-    /// `unit` is as in [`Self::repeatability_by_repeats`].
+    /// The p-value of repeats that reject this ρ² (mm²), because they scatter too much or too little; `None` if they
+    /// do not. `unit` is as in [`Self::repeatability_by_repeats`].
     pub(crate) fn rejected_repeatability(
         &self,
         variance: f64,
@@ -77,7 +77,7 @@ impl MeasuredPoints {
         let own = freedom(of_squares);
         let of_unit = freedom(by_unit * by_unit * relative_variance);
         let above = f_upper_tail(squares / expected, own, of_unit);
-        // Repeats that scatter much less than the instrument alone were not measured.
+        // Repeats that scatter much less than the instrument alone are no measurements.
         let is_credible =
             own >= LEAST_DEGREES_OF_FREEDOM && squares > TOO_GOOD * TOO_GOOD * by_unit;
         let p_value = match above < 0.5 {
@@ -88,8 +88,8 @@ impl MeasuredPoints {
         (p_value < GLOBAL_TEST_LEVEL).then_some(p_value)
     }
 
-    /// ρ² by the repeats, mm²; `None` where none are. With it, how well the variance `unit` of unit weight, whose
-    /// relative variance is given, and ρ² are known, relative to their values.
+    /// ρ² by the repeats, mm²; `None` if there are none or they scatter no more than `unit` explains. With it the
+    /// relative covariance of `unit`, the variance of unit weight whose relative variance is given, and of ρ².
     pub(crate) fn repeatability_by_repeats(
         &self,
         unit: f64,
@@ -138,10 +138,10 @@ impl MeasuredPoints {
     }
 }
 
-/// What the readings of one visit add up to.
+/// Sums over the readings of one visit.
 #[derive(Default)]
 struct Visit {
-    /// Of each target, the sum of the weights.
+    /// The sum of the weights of each target.
     weights: BTreeMap<usize, f64>,
     /// `Σ w e`.
     weighted: Vector3<f64>,
@@ -182,7 +182,7 @@ fn scatter_of_repeats(
             of_axis[reading.place] += value;
         }
     }
-    // Every target has a reading, and ρ² is finite: the places are determined.
+    // Every target has a reading, and ρ² is finite: the positions are determined.
     if let Some(normal) = normal.cholesky() {
         let explained = gradient.iter().map(|g| g.dot(&normal.solve(g)));
         squares -= explained.sum::<f64>();
@@ -263,7 +263,7 @@ mod tests {
         }
     }
 
-    /// What all targets of a visit have in common counts once.
+    /// A displacement common to all targets of a visit counts once.
     #[test]
     fn a_common_displacement_counts_once() {
         let common = readings(|_, visit| Vector3::new([0.0, 10.0, 0.0][visit], 0.0, 0.0));

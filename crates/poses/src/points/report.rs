@@ -1,4 +1,4 @@
-//! What measured coordinates say about their noise: the rigid triangle and the repeats test it.
+//! What measured coordinates say about their noise, tested by the rigid triangle and by the repeats.
 
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::MICROMETRE;
@@ -13,7 +13,7 @@ use crate::report::{
     AdjustmentReport, GLOBAL_TEST_LEVEL, MANY, approached_from_both_sides, p_in_words,
 };
 
-/// The report of measured points and the poses found from them, with what a user must know of it.
+/// The report of measured points and their poses, with the notices for the user.
 pub(crate) fn points_report(
     campaign: &Campaign,
     by_direction: bool,
@@ -37,7 +37,7 @@ pub(crate) fn points_report(
         unknowns: observations - degrees_of_freedom,
         degrees_of_freedom,
         sigma0,
-        // Nothing is declared that residuals could contradict.
+        // Undeclared noise cannot be contradicted.
         p_value: match noise_declared {
             true => chi_squared_upper_tail(squares, degrees_of_freedom as f64),
             false => 1.0,
@@ -131,8 +131,8 @@ fn rms_sigma_um(campaign: &Campaign) -> f64 {
     (squares / sigmas.len().max(1) as f64).sqrt()
 }
 
-/// How much larger than by the noise found so far the scatter of repeated points is in units of the declared one, with its
-/// degrees of freedom and p-value; of a declared noise only if that is significant.
+/// The scatter of repeated points in units of the declared noise, with its degrees of freedom and p-value against the
+/// noise found so far; if noise is declared, only a significant scatter.
 fn repeat_factor(measured: &MeasuredPoints, report: &AdjustmentReport) -> Option<(f64, f64, f64)> {
     let (squares, degrees_of_freedom) = measured.repeat_scatter();
     let degrees = degrees_of_freedom as f64;

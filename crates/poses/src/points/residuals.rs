@@ -1,6 +1,6 @@
 //! What rigid motions leave of each measured coordinate.
 //!
-//! A step's mean points `m`, with the operator `G` of its pose and the equations `A`, leave
+//! The mean points `m` of a step, with the operator `G` of its pose and the equations `A`, leave
 //!
 //! ```text
 //! v = M (dm - Qᵀ w)    M = I - A G    w = mean Π Q dm        cov(v) = M C Mᵀ
@@ -14,7 +14,7 @@
 //! redundancy number   1 - h (1 - [M B]_tt)
 //! ```
 //!
-//! What all coordinates share, their scale, is the same in `p` and `m_t` and leaves their difference.
+//! The scale, which all coordinates share, is the same in `p` and `m_t` and leaves their difference unchanged.
 
 use nalgebra::{DMatrix, Matrix3};
 use trueaxis_identify::{BodyPoses, StepPose, equations};
@@ -23,11 +23,11 @@ use crate::Residual;
 use crate::points::equations::PointEquations;
 use crate::points::{GroupReading, MeasuredPoints};
 
-/// A variance this small beside that of the reading is rounding: nothing checks the coordinate.
+/// A variance below this share of that of the reading is rounding: nothing checks the coordinate.
 const CHECKED: f64 = 1e-10;
 
 impl PointEquations {
-    /// The residuals of all coordinates that led to a pose, in units of the noise of `points`, in measuring order.
+    /// The residuals of all coordinates that led to poses, in units of the noise of `points`, in measuring order.
     pub(crate) fn residuals(&self, points: &MeasuredPoints) -> Vec<Residual> {
         let mut residuals = Vec::new();
         for source in &self.sources {
@@ -48,7 +48,7 @@ impl PointEquations {
     }
 }
 
-/// What a step leaves of displacements of its own mean points.
+/// What the pose of a step leaves of displacements of its mean points.
 struct LeftOfStep<'a> {
     step: &'a StepPose,
     /// `M B`.
@@ -75,7 +75,7 @@ impl<'a> LeftOfStep<'a> {
     }
 
     /// The residuals of a reading of target `t`; `own` is the covariance of the means, `with_means` that of the
-    /// reading with the mean of each target, along one direction.
+    /// reading with the mean of each target along one direction.
     fn of_reading(
         &self,
         t: usize,
@@ -109,7 +109,7 @@ impl<'a> LeftOfStep<'a> {
     }
 }
 
-/// The same rotation for every point.
+/// The same rotation for all points, as one matrix.
 fn rotations(rotation: &Matrix3<f64>, points: usize) -> DMatrix<f64> {
     let mut all = DMatrix::zeros(3 * points, 3 * points);
     for k in (0..3 * points).step_by(3) {

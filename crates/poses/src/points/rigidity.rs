@@ -1,10 +1,10 @@
-//! Whether targets whose coordinates are measured move as a rigid triangle. (Of lengths the adjustment itself tells:
+//! Whether targets with measured coordinates move as a rigid triangle. (For lengths the adjustment itself shows it:
 //! [`crate::lengths`].)
 //!
-//! Each step is compared with the shape of its run: first with the median over the steps, which
-//! steps that fail do not bend, then with the mean over those that passed. The noise is the declared
-//! one, or larger if most steps say so. Where none is declared, it is that of the steps that passed, as well as these
-//! tell it: a step whose test is `χ²` in units of the points' variances has, against the mean shape of `m` others,
+//! Each step is compared with the shape of its run: first with the median over the steps, which steps that fail do
+//! not bend, then with the mean over those that passed. The noise is the declared one, or larger if most steps show
+//! so. Without a declared noise it is that of the steps that passed, with its uncertainty: a step whose test is `χ²`
+//! in units of the points' variances has, against the mean shape of `m` others,
 //!
 //! ```text
 //! F = χ² / (d s² (1 + 1/m))     s² = Σ χ² (of all that passed, in all runs) / Σ d (m - 1)
@@ -26,8 +26,8 @@ const LEVEL: f64 = 0.01;
 /// Steps that one thread takes at a time.
 const PIECE: usize = 32;
 
-/// Sum of squares of the test over all steps, and its degrees of freedom: those of the steps less
-/// the shape of each body, which is estimated.
+/// Sum of squares of the test over all steps, and its degrees of freedom: those of the steps less those of the shape
+/// of each body, which is estimated.
 ///
 /// Each step is tested with the covariance of its distance from the mean shape, so that on average
 /// its sum equals its own degrees of freedom; together they have fewer, and the sum is scaled down
@@ -42,12 +42,11 @@ pub(crate) fn total(points: &PointPoses) -> (f64, usize) {
     (squares * left as f64 / degrees.max(1) as f64, left)
 }
 
-/// The steps that fail, in measuring order. `declared` says whether the noise is; if not, the
-/// steps themselves are the measure.
+/// The steps that fail, in measuring order. Without `declared` noise the steps themselves determine it.
 pub(crate) fn misfits(campaign: &Campaign, points: &PointPoses, declared: bool) -> Vec<StepMisfit> {
     let fits: Vec<&StepPose> = points.equations.steps().collect();
     let level = LEVEL / fits.len() as f64;
-    // The records of each run that has any.
+    // The poses of each run that has any.
     let mut runs = vec![Vec::new(); campaign.runs.len()];
     for (record, own) in points.poses.observations.iter().enumerate() {
         if let Some(run) = campaign.steps[own.step].run {
@@ -74,14 +73,14 @@ pub(crate) fn misfits(campaign: &Campaign, points: &PointPoses, declared: bool) 
     failing.into_iter().map(in_words).collect()
 }
 
-/// A record with its test.
+/// The index of a pose, with its test.
 type Tested = (usize, RigidMisfit);
 
-/// A record that fails, with its test and p-value.
+/// The index of a pose that fails, with its test and p-value.
 type Failing = (usize, RigidMisfit, f64);
 
-/// Failing records by the declared noise, or what most steps of their run show if that is larger. The sum of squares
-/// is in units of that.
+/// Poses that fail by the declared noise, or by that of most steps of their run if it is larger; the sum of squares
+/// is in units of the noise used.
 fn failing_declared(runs: &[Vec<usize>], fits: &[&StepPose], level: f64) -> Vec<Failing> {
     let mut failing = Vec::new();
     for records in runs {
@@ -92,7 +91,7 @@ fn failing_declared(runs: &[Vec<usize>], fits: &[&StepPose], level: f64) -> Vec<
         };
         let suspects = against_shape(&shape(records, fits, median));
         if !suspects.is_empty() {
-            // By the typical variance half of the steps pass, at least.
+            // By the typical variance at least half of the steps pass.
             let kept = without(records, &suspects);
             failing.extend(against_shape(&shape(&kept, fits, mean)));
         }
@@ -100,7 +99,7 @@ fn failing_declared(runs: &[Vec<usize>], fits: &[&StepPose], level: f64) -> Vec<
     failing
 }
 
-/// Failing records where the others are all that tells the noise. The sum of squares is in units of that.
+/// Poses that fail by the noise of the others; the sum of squares is in units of that noise.
 fn failing_among_others(
     runs: &[Vec<usize>],
     fits: &[&StepPose],
@@ -111,7 +110,7 @@ fn failing_among_others(
     let against_median: Vec<Tested> = runs.iter().flat_map(against_median).collect();
     let typical = typical_variance(&against_median).max(f64::MIN_POSITIVE);
     let suspects = beyond(against_median, typical, level);
-    // Each sum of squares is about a mean shape that the step itself is part of.
+    // Each sum of squares is relative to a mean shape that contains the step itself.
     let own = |(i, misfit): &Tested| misfit.chi_squared * (1.0 - 1.0 / steps_of_body(*i));
     let (mut squares, mut degrees) = (0.0, 0.0);
     let mut left = Vec::new();
@@ -144,13 +143,13 @@ fn failing_among_others(
     failing.filter(|(_, _, p_value)| *p_value < level).collect()
 }
 
-/// The tests of records against a shape.
+/// The tests of poses against a shape.
 fn tested(records: &[usize], fits: &[&StepPose], shape: &[Vector3<f64>]) -> Vec<Tested> {
     let tested = records.par_iter().with_min_len(PIECE);
     tested.map(|&i| (i, against(fits[i], shape))).collect()
 }
 
-/// Those that chi-squared with this variance does not explain.
+/// The poses that chi-squared with this variance does not explain.
 fn beyond(tested: Vec<Tested>, variance: f64, level: f64) -> Vec<Failing> {
     let with_p = |(i, mut misfit): Tested| {
         misfit.chi_squared /= variance;
@@ -167,7 +166,7 @@ fn without(records: &[usize], suspects: &[Failing]) -> Vec<usize> {
     records.iter().filter(is_kept).copied().collect()
 }
 
-/// The shape that records have in common.
+/// The common shape of some poses.
 fn shape(records: &[usize], fits: &[&StepPose], combine: fn(Vec<f64>) -> f64) -> Vec<Vector3<f64>> {
     let coordinate = |target: usize, c: usize| {
         let of_records = records.iter().map(|&i| fits[i].distortion_mm[target][c]);
@@ -178,7 +177,7 @@ fn shape(records: &[usize], fits: &[&StepPose], combine: fn(Vec<f64>) -> f64) ->
     targets.collect()
 }
 
-/// The factor on the variance that makes the median sum of squares what chi-squared says.
+/// The factor on the variance that gives the median sum of squares its expected value.
 fn typical_variance(tested: &[Tested]) -> f64 {
     // Median of chi-squared by Wilson and Hilferty.
     let expected = |degrees: f64| degrees * (1.0 - 2.0 / (9.0 * degrees)).powi(3);
@@ -201,14 +200,14 @@ fn mean(values: Vec<f64>) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// The test of a record against another shape of the targets.
+/// The test of a pose against another shape of the targets.
 fn against(step: &StepPose, shape: &[Vector3<f64>]) -> RigidMisfit {
     let points_from_home = step.home_from_points.transpose();
     let deltas = step.deltas_mm.iter().zip(shape);
     let deltas: Vec<Vector3<f64>> = deltas
         .map(|(delta, w)| delta - points_from_home * w)
         .collect();
-    // Both succeeded with these targets and this covariance when the record was identified.
+    // Both succeeded with these targets and this covariance when the pose was found.
     nine(step.pose.from_points.targets_mm())
         .and_then(|operator| rigid_misfit(&operator, &deltas, &step.about_shape))
         .unwrap_or_else(|_| step.pose.misfit.clone())

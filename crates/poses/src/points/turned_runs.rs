@@ -1,14 +1,14 @@
-//! Runs that see the stage turned against each other where all axes stand alike, as at home.
+//! Runs between which the stage is turned at equal axis positions, such as home.
 //!
-//! Squareness is the angle between the average lines of two runs, so an instrument that was moved or turned between them, or a machine
-//! that shifted, makes it wrong by as much. The same targets at the same positions of all axes have one orientation:
+//! Squareness is the angle between the average lines of two runs. An instrument or a machine that moved between them
+//! makes it wrong by as much. The same targets at the same positions of all axes have one orientation:
 //!
 //! ```text
 //! θ = log(R_b R_aᵀ)     χ² = θᵀ (C_a + C_b)⁻¹ θ, of all positions that two runs share
 //! ```
 //!
-//! Displacements, and angles about rotary axes that carry the targets, are not asked: the side from which the other axes came to stand
-//! there may move the stage by their lost motion. What two runs have in common, the shape of their targets, turns both alike.
+//! Displacements are not tested, nor angles about rotary axes that carry the targets: the other axes may have arrived
+//! from different sides, and their lost motion moves the stage. The shape of the targets turns both runs alike.
 
 use std::collections::BTreeMap;
 
@@ -21,16 +21,16 @@ use crate::poses::Poses;
 use crate::report::{MANY, TurnedRuns};
 use crate::words::step_in_words;
 
-/// Probability that any two runs of a campaign whose frame stands still are said to be turned.
+/// Probability that any two runs of a campaign with a fixed frame are reported as turned.
 const LEVEL: f64 = 1e-3;
 
-/// Smaller ones are nothing that an instrument does, rad: what positions are rounded to, and angular lost motion of a good machine.
+/// Smaller angles are not the instrument's, rad: rounded positions, or angular lost motion of a good machine.
 const LEAST_RAD: f64 = 0.5 * ARCSEC;
 
-/// What rounding leaves of a weight, relative to the largest.
+/// Weights below this share of the largest are rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Pairs of runs that are turned. The noise of the poses is known with these degrees of freedom.
+/// Pairs of runs that are turned. `noise_dof` are the degrees of freedom of the noise of the poses.
 pub(crate) fn turned_runs(campaign: &Campaign, poses: &Poses, noise_dof: f64) -> Vec<TurnedRuns> {
     let stands = stands(campaign, poses);
     let pairs = (0..stands.len()).flat_map(|b| (0..b).map(move |a| [a, b]));
@@ -60,11 +60,11 @@ pub(crate) fn turned_runs(campaign: &Campaign, poses: &Poses, noise_dof: f64) ->
         .collect()
 }
 
-/// The orientation of a body at a position of all axes in a run, the mean of both sides of approach.
+/// The orientation of a body in a run at one position of all axes, the mean of both sides of approach.
 struct Stand {
     step: usize,
     body: usize,
-    /// Of the first of them, and how far the mean is turned against that.
+    /// The orientation on the first side, and the rotation of the mean from it.
     first: UnitQuaternion<f64>,
     turned_rad: Vector3<f64>,
     covariance: Matrix3<f64>,
@@ -74,7 +74,7 @@ struct Stand {
 /// The orientations of a run by positions of all axes and body.
 type Stands = BTreeMap<(Vec<u64>, usize), Stand>;
 
-/// Of each run; nothing if the noise is not known.
+/// The orientations of each run; empty if the noise is not known.
 fn stands(campaign: &Campaign, poses: &Poses) -> Vec<Stands> {
     let mut all: Vec<Stands> = campaign.runs.iter().map(|_| Stands::new()).collect();
     for (own, noise) in poses.observations.iter().zip(&poses.noise.own) {
@@ -104,17 +104,17 @@ fn stands(campaign: &Campaign, poses: &Poses) -> Vec<Stands> {
 /// Two runs at the positions that they share.
 struct Compared {
     pair: [usize; 2],
-    /// The first of these, and the body there.
+    /// The first of these positions, and the body there.
     step: usize,
     body: usize,
-    /// How far the second is turned against the first about the reference axes, as far as it is asked, rad.
+    /// Rotation of the second run against the first about the reference axes, in the directions that are tested, rad.
     turned_rad: Vector3<f64>,
     covariance: Matrix3<f64>,
     chi_squared: f64,
     degrees_of_freedom: usize,
 }
 
-/// None if they share no position.
+/// `None` if the runs share no position that is tested.
 fn compared(campaign: &Campaign, pair: [usize; 2], stands: &[Stands]) -> Option<Compared> {
     let (mut weights, mut sum, mut first) = (Matrix3::zeros(), Vector3::zeros(), None);
     for (place, a) in &stands[pair[0]] {
@@ -156,7 +156,7 @@ fn compared(campaign: &Campaign, pair: [usize; 2], stands: &[Stands]) -> Option<
     })
 }
 
-/// Those of the rotary axes that carry what is seen, where they stand.
+/// Directions of the rotary axes that carry the targets, in their present positions.
 fn rotary_directions(campaign: &Campaign, stand: &Stand) -> Vec<Vector3<f64>> {
     let (machine, positions) = (&campaign.machine, &campaign.steps[stand.step].positions);
     let run = campaign.steps[stand.step].run;

@@ -1,4 +1,4 @@
-//! The end of the search: the clean adjustment of what is left, and what was taken away.
+//! The end of the search: the final adjustment of the remaining readings, and the list of removed ones.
 
 use std::sync::Arc;
 
@@ -26,8 +26,8 @@ impl Search {
             .collect())
     }
 
-    /// The clean adjustment of what is left of the original network. The work's own solution is gone
-    /// then: both together are most of the memory that a large network takes.
+    /// The final adjustment of the remaining part of the original network. The search gives up its own solution: both
+    /// together would be most of the memory that a large network takes.
     pub(crate) fn finished(&mut self, original: &Network) -> Result<Screened, Error> {
         self.merge_empty_occupations()?;
         let wandering = self.wandering_zeros()?;

@@ -7,8 +7,8 @@ use super::{MAX_ROUNDS, READINGS_LEVEL, Search, WELSCH_ITERATIONS};
 use crate::Error;
 use crate::robust_weights::{REMOVED, welsch};
 
-/// How far a length is from what the nominal positions let expect, in units of what is typical,
-/// before it is no error of the machine; and at least, mm.
+/// A length is far off if its distance from what the nominal positions predict exceeds this many times the median of
+/// all distances; and at least this, mm.
 const FAR: f64 = 10.0;
 const FAR_MM: f64 = 1.0;
 
@@ -23,9 +23,9 @@ pub(super) fn far_at(start: &Start, network: &Network) -> Vec<(usize, f64)> {
 }
 
 impl Search {
-    /// Lets go of far readings: the width of the weights starts at the largest distance, `widest`
-    /// times the spread at most, and is halved until it is the spread. A start at the spread would keep
-    /// any few lengths that agree by chance (graduated non-convexity).
+    /// Releases far readings: the width of the weights starts at the largest distance, at most `widest` times the
+    /// spread, and is halved until it is the spread. Starting at the spread would keep any few lengths that agree by
+    /// chance (graduated non-convexity).
     pub(super) fn let_go(
         &mut self,
         widest: f64,

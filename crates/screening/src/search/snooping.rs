@@ -8,7 +8,7 @@ use crate::robust_weights::REMOVED;
 
 impl Search {
     pub(super) fn snoop(&mut self) -> Result<(), Error> {
-        // A reading that keeps leaving and coming back stays out.
+        // A reading that leaves and comes back repeatedly stays out.
         let mut returns = vec![0_u8; self.network.readings.len()];
         for _ in 0..MAX_ROUNDS {
             if self.is_lost() {
@@ -36,8 +36,8 @@ impl Search {
         Ok(())
     }
 
-    /// For each group the reading that should leave first, or else the visit that should leave as a
-    /// whole, or else the reading that should come back first; with their new variance factors.
+    /// For each group the reading that should leave first, or else the visit that should leave as a whole, or else
+    /// the reading that should come back first; each with its new variance factor.
     pub(super) fn changes(&self, tests: &Tests, spread: f64) -> Vec<(usize, f64)> {
         let limit = self.limit(READINGS_LEVEL) * spread;
         let groups = self.network.groups.len();
@@ -70,8 +70,8 @@ impl Search {
         changes
     }
 
-    /// For each group the visit whose lengths are off together, if any: single lengths do not show it,
-    /// because the machine's repeatability could be to blame.
+    /// For each group the visit whose lengths are off together, if any: single lengths do not show it, because they
+    /// allow for the machine's repeatability.
     fn worst_visits(&self, tests: &[f64], limit: f64) -> Vec<Option<usize>> {
         let mut worst: Vec<Option<(f64, usize)>> = vec![None; self.network.groups.len()];
         let tests = tests.iter().map(|w| w.abs());
@@ -87,7 +87,7 @@ impl Search {
     }
 }
 
-/// Takes a number and what it belongs to in place of a smaller one.
+/// Replaces a smaller number and its index.
 fn take_if_larger(largest: &mut Option<(f64, usize)>, size: f64, of: usize) {
     if largest.is_none_or(|(most, _)| size > most) {
         *largest = Some((size, of));

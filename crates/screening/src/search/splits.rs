@@ -1,4 +1,4 @@
-//! Where occupations are split because the zero of a station jumped: found, placed, and taken back.
+//! Splits of occupations where the zero of a station jumped: found, placed, and undone.
 
 use trueaxis_multilateration::{Interruption, Network, ReadingTest, Solution, Whitened};
 
@@ -9,16 +9,16 @@ use crate::robust_weights::{REMOVED, distances_from_neighbours};
 use crate::screened::{Jump, WanderingZero};
 use crate::step_tests::{StepTest, largest_steps};
 
-/// Probability that any of its occupations is split.
+/// Probability that any occupation of a network without interruptions is split.
 const STEPS_LEVEL: f64 = 1e-3;
 
-/// A step with fewer readings before or behind it is not told from gross errors.
+/// A step with fewer readings before or after it cannot be distinguished from gross errors.
 const LEAST_STEP: usize = 4;
 
-/// Width of the weights, in spreads, after an occupation was split: most far readings have left by then.
+/// Width of the weights, in spreads, after a split: most far readings have left by then.
 const WIDE_AGAIN: f64 = 4.0;
 
-/// Splits for each station on average; more of them are no interruptions.
+/// Splits for each station on average; more of them are not interruptions.
 const MOST_SPLITS: usize = 3;
 
 impl Search {
@@ -42,8 +42,8 @@ impl Search {
         }
     }
 
-    /// The most significant step that is an interruption, if any is; one that is less significant
-    /// than a single reading may come from that.
+    /// The most significant step that is an interruption, if any; a step less significant than a single reading may
+    /// be caused by that reading.
     pub(super) fn step(&mut self, tests: &[ReadingTest], spread: f64) -> Option<StepTest> {
         if self.never_split {
             return None;
@@ -56,7 +56,7 @@ impl Search {
         })
     }
 
-    /// The stations whose zeros wander: a step of them would be significant, but is not needed.
+    /// The stations whose zeros wander: a step would be significant, but is not needed beside the wandering.
     pub(super) fn wandering_zeros(&mut self) -> Result<Vec<WanderingZero>, Error> {
         let (tests, spread) = self.tests()?;
         if self.never_split || self.cuts_what_wanders {
@@ -77,8 +77,8 @@ impl Search {
         Ok(wandering.collect())
     }
 
-    /// For each zero the largest step if it is significant, the most significant one first, with the rows of the hat
-    /// matrix; `None` if there is no such step.
+    /// For each zero its largest step, if it is significant, the most significant one first, with the rows of the hat
+    /// matrix; `None` if there is none.
     fn significant_steps(
         &mut self,
         tests: &[ReadingTest],
@@ -117,7 +117,7 @@ impl Search {
         self.network.interruptions.sort_by_key(order);
     }
 
-    /// Seeks the instant of each interruption again, now that all good readings have full weight.
+    /// Seeks the instant of each interruption again, with all good readings at full weight.
     pub(super) fn place_interruptions(&mut self) -> Result<(), Error> {
         self.excluded.clear();
         let (_, spread) = self.tests()?;
@@ -157,7 +157,7 @@ impl Search {
         (size <= self.limit(STEPS_LEVEL) * spread).then_some(split)
     }
 
-    /// Takes back splits that separate nothing: all readings on one side of them have left.
+    /// Undoes splits that separate nothing because all readings on one side have left.
     pub(super) fn merge_empty_occupations(&mut self) -> Result<(), Error> {
         loop {
             let mut is_used = vec![false; self.network.zeros()];
@@ -210,7 +210,7 @@ fn jumps(network: &Network, solution: &Solution) -> Vec<Jump> {
         .map(|(k, interruption)| {
             let (before, after) = (last[interruption.station], stations + k);
             last[interruption.station] = after;
-            // Lengths grow as the dead path falls.
+            // A smaller dead path makes lengths longer.
             let (change_mm, u_mm) = solution.difference_of_dead_paths(before, after);
             Jump {
                 station: interruption.station,

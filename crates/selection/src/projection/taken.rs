@@ -1,4 +1,4 @@
-//! What the base model takes of columns, `(I - M) x`.
+//! The part of columns that the base model absorbs, `(I - M) x`.
 
 use std::ops::Range;
 
@@ -9,8 +9,7 @@ use trueaxis_leastsquares::{dot, in_widest_registers};
 use super::{Projection, add};
 use crate::gram_matrix::{SEVERAL, add_products, concerned};
 
-/// Columns that are taken of together: rows of `O` and `T` are read once for all of them, some of them at a time, so that
-/// they stay near the processor.
+/// Columns that read rows of `O` and `T` together, and number of these rows, so that they stay in the cache.
 const TOGETHER: usize = 32;
 const ROWS_TOGETHER: usize = 256;
 
@@ -23,7 +22,7 @@ impl Projection {
         self.project_all(&mut [x]);
     }
 
-    /// The same of several, which read `O` and `T` together.
+    /// The same for several columns, which read `O` and `T` together.
     pub(crate) fn project_all(&self, columns: &mut [impl AsRef<[f64]> + AsMut<[f64]>]) {
         let taken = self.taken_of_all(columns.iter().map(AsRef::as_ref));
         in_widest_registers(
@@ -67,7 +66,7 @@ impl Projection {
         }
     }
 
-    /// Takes of some columns, row after row of `O` and `T`.
+    /// Adds what is taken of some columns, row after row of `O` and `T`.
     fn add_taken(&self, (columns, (own, shared)): OfColumns<'_>) {
         let (own_width, width) = (self.groups * self.own_width, self.shared_width);
         let concerned = concerned(columns);
@@ -104,7 +103,7 @@ impl Projection {
         }
     }
 
-    /// Adds what the groups take of the rows `x` of a column, the first of which is `first`.
+    /// Adds what the groups take of the rows `x` of a column; `first` is the first row.
     #[inline(always)]
     fn add_own(&self, first: usize, x: &[f64], own: &mut [f64]) {
         for (i, x) in (first..).zip(x).filter(|(_, x)| **x != 0.0) {
@@ -113,7 +112,7 @@ impl Projection {
         }
     }
 
-    /// Adds `Tᵀx` of these rows, some columns of `T` at a time, whose sums then stay in registers.
+    /// Adds `Tᵀx` of these rows, some columns of `T` at a time so that their sums stay in registers.
     #[inline(always)]
     fn add_shared(&self, first: usize, x: &[f64], sums: &mut [f64]) {
         let rows = &self.shared[first * self.shared_width..];
@@ -135,7 +134,7 @@ impl Projection {
 /// Columns, and what is taken of them: `Oᵀx` of each group, and `Tᵀx`, column after column.
 type OfColumns<'a> = (&'a [&'a [f64]], (&'a mut [f64], &'a mut [f64]));
 
-/// Parts of equal length, but for the last one, as many as are asked for.
+/// Consecutive parts of equal length, except the last; then empty ones.
 fn parts_mut(mut rest: &mut [f64], length: usize) -> impl Iterator<Item = &mut [f64]> {
     std::iter::from_fn(move || {
         let all = std::mem::take(&mut rest);
@@ -177,7 +176,7 @@ impl Taken {
         dot(own, of_group) + dot(shared, self.through(k))
     }
 
-    /// Adds `xᵀ (I - M) y` of each of some columns `x` with each `y` up to the last of them, which are counted from a first one.
+    /// Adds `xᵀ (I - M) y` of each of the columns `x` with each `y` up to the last of them, counted from `first`.
     pub(crate) fn add_products(&self, sum: &mut [f64], x: Range<usize>, first: usize) {
         let (x, y) = (first + x.start..first + x.end, first..first + x.end);
         let of_groups = |all: Range<usize>| -> Vec<&[f64]> { all.map(|k| self.own(k)).collect() };
@@ -193,7 +192,7 @@ impl Taken {
     }
 }
 
-/// Adds `Tᵀx` of `N` columns of `T` from `start` on, of which there are `width`.
+/// Adds `Tᵀx` for `N` of the `width` columns of `T`, from `start` on.
 #[inline(always)]
 fn add_columns<const N: usize>(
     rows: &[f64],
