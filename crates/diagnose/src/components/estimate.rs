@@ -144,7 +144,7 @@ fn at_zero(
     let jacobian = [cos, sin, by_period * c, -sin, cos, -by_period * s];
     let jacobian = DMatrix::from_row_slice(2, 3, &jacobian);
     let jacobian = jacobian.columns(0, covariance.ncols());
-    let at_zero = &jacobian * covariance * jacobian.transpose();
+    let at_zero = jacobian * covariance * jacobian.transpose();
     (vec![s, c], at_zero)
 }
 
