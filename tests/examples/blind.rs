@@ -237,6 +237,9 @@ fn judged(name: &str, seed: u64, kind: &Kind, hidden: &[Hidden], diagnosis: &Dia
             c.effect.effect.id == "backlash" && c.effect.subject.axis == hidden[0].axis
         };
         hidden.iter().all(wanders) && causes.iter().all(is_mean)
+    } else if name == "opposed_warm_ups" && !causes.is_empty() {
+        // A machine that warms up, with one time constant or both.
+        causes.iter().all(|c| c.effect.effect.id == "warm_up")
     } else if blind::UNCATALOGUED.contains(&name) {
         diagnosis.verdict == Verdict::Unknown && hidden.iter().all(wanders)
     } else {

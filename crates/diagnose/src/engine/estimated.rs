@@ -118,7 +118,7 @@ fn with_time_constant<D: Measured>(
         return (suspect.covariance.clone(), f64::INFINITY);
     };
     all.push(by_shape.column);
-    let is_other = |s: &&Suspect| !s.hypothesis.is(&suspect.hypothesis);
+    let is_other = |s: &&Suspect| !s.is(suspect);
     let others = D::suspects(model).iter().filter(is_other);
     let others: Vec<Vec<f64>> = others
         .flat_map(|s| columns(&s.hypothesis, s.shape))

@@ -75,6 +75,9 @@ pub(crate) trait Measured: Sync {
     }
 }
 
+/// Ratio from which two time constants are two.
+const APART: f64 = 3.0;
+
 /// A cause with its parameters, linear at its shape.
 #[derive(Debug, Clone)]
 pub(crate) struct Suspect {
@@ -100,6 +103,18 @@ impl Suspect {
             covariance: fit.covariance.clone(),
             seen: fit.seen.clone(),
         }
+    }
+
+    /// Whether both are the same cause: what warms up may do so with two time constants.
+    pub(crate) fn is(&self, other: &Self) -> bool {
+        self.hypothesis.is(&other.hypothesis) && !self.is_second_time_constant(other)
+    }
+
+    /// Whether both warm up the same, with time constants so far apart that both may be there: of a spindle and of a bed.
+    pub(crate) fn is_second_time_constant(&self, other: &Self) -> bool {
+        let is_time_constant = self.hypothesis.effect.shape == Shape::TimeConstant;
+        let ratio = self.shape.max(other.shape) / self.shape.min(other.shape);
+        is_time_constant && self.hypothesis.is(&other.hypothesis) && ratio > APART
     }
 
     /// The effect with its values.

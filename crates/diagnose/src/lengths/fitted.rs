@@ -17,7 +17,7 @@ pub(crate) fn fitted(
     suspect: &Suspect,
 ) -> Option<Fitted> {
     let suspects = current.suspects.iter();
-    let others = suspects.filter(|s| !s.hypothesis.is(&suspect.hypothesis));
+    let others = suspects.filter(|s| !s.is(suspect));
     let others: Vec<Suspect> = others.cloned().collect();
     let without = base.adjust_given(others, current.network.noise).ok()?;
     let targets = base.scene.targets.len();
