@@ -87,11 +87,8 @@ fn estimated<D: Measured>(
     suspect: &Suspect,
 ) -> (Vec<EstimatedParameter>, Vec<f64>) {
     let (mut covariance, mut u_shape) = (suspect.covariance.clone(), suspect.u_shape);
-    match suspect.hypothesis.effect.shape {
-        Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => {
-            (covariance, u_shape) = with_time_constant(data, model, suspect);
-        }
-        Shape::Fixed | Shape::Instant | Shape::Period | Shape::Waves(_) => {}
+    if is_duration(suspect.hypothesis.effect.shape) {
+        (covariance, u_shape) = with_time_constant(data, model, suspect);
     }
     let linear = (&suspect.parameters[..], &covariance[..], &suspect.seen[..]);
     let shape = (suspect.shape, u_shape);
@@ -106,25 +103,40 @@ fn with_time_constant<D: Measured>(
     suspect: &Suspect,
 ) -> (Vec<f64>, f64) {
     let columns = data.columns(model);
-    let at = |shape: f64| columns(&suspect.hypothesis, shape);
-    let mut all = at(suspect.shape);
-    let n = all.len();
     // For almost no lag, a step relative to the campaign.
-    let step = STEP * suspect.shape.max(STEP * duration_s(&data.visits()));
-    let ends = [(suspect.shape - step).max(0.0), suspect.shape + step];
-    let ends = ends.map(|shape| (shape, at(shape)));
-    let column = by_shape(ends, &suspect.parameters, D::bare(model).rows());
-    let Some(by_shape) = ByShape::new(column, &all) else {
+    let least = STEP * duration_s(&data.visits());
+    let with_shape = |s: &Suspect| {
+        let at = |shape: f64| columns(&s.hypothesis, shape);
+        let mut all = at(s.shape);
+        let mut unit = None;
+        if is_duration(s.hypothesis.effect.shape) {
+            let step = STEP * s.shape.max(least);
+            let ends = [(s.shape - step).max(0.0), s.shape + step];
+            let ends = ends.map(|shape| (shape, at(shape)));
+            let column = by_shape(ends, &s.parameters, D::bare(model).rows());
+            if let Some(by_shape) = ByShape::new(column, &all) {
+                unit = Some(by_shape.unit);
+                all.push(by_shape.column);
+            }
+        }
+        (all, unit)
+    };
+    let (own, unit) = with_shape(suspect);
+    let Some(unit) = unit else {
         return (suspect.covariance.clone(), f64::INFINITY);
     };
-    all.push(by_shape.column);
-    let is_other = |s: &&Suspect| !s.is(suspect);
-    let others = D::suspects(model).iter().filter(is_other);
-    let others: Vec<Vec<f64>> = others
-        .flat_map(|s| columns(&s.hypothesis, s.shape))
-        .collect();
-    let fit = Fit::new(&D::bare(model).extended(&others), &all);
-    beside_shape(&fit, n, by_shape.unit)
+    let others = D::suspects(model).iter().filter(|s| !s.is(suspect));
+    let others: Vec<Vec<f64>> = others.flat_map(|s| with_shape(s).0).collect();
+    let fit = Fit::new(&D::bare(model).extended(&others), &own);
+    beside_shape(&fit, own.len() - 1, unit)
+}
+
+/// Whether a shape is a time that a list refines.
+fn is_duration(shape: Shape) -> bool {
+    matches!(
+        shape,
+        Shape::TimeConstant | Shape::SettlingTime | Shape::Lag
+    )
 }
 
 /// Parameters of a hypothesis: the linear ones with their values, covariance (rows one after the other), and whether

@@ -112,10 +112,12 @@ fn not_its_own<D: Measured>(data: &D, model: &D::Model, found: &[Found]) -> Opti
         return None;
     }
     let culprits: Vec<Culprits> = found.iter().map(|f| Culprits::of(data, f)).collect();
-    let is_stacked = (1..found.len()).any(|i| (0..i).any(|j| {
-        !found[i].suspect.is_second_time_constant(&found[j].suspect)
-            && culprits[i].overlap(&culprits[j])
-    }));
+    let is_stacked = (1..found.len()).any(|i| {
+        (0..i).any(|j| {
+            !found[i].suspect.is_second_time_constant(&found[j].suspect)
+                && culprits[i].overlap(&culprits[j])
+        })
+    });
     let all: f64 = found.iter().map(|f| f.statistic).sum();
     let weakest = found.iter().map(|f| f.statistic).fold(all, f64::min);
     let is_shape = weakest < SHAPE_ERROR * (all - weakest);
