@@ -28,10 +28,29 @@ impl LeftOut {
     pub(crate) fn new(model: &Projection, rows: Vec<usize>) -> Self {
         let width = model.shared_width;
         let t = DMatrix::from_fn(rows.len(), width, |i, k| model.shared_row(rows[i])[k]);
-        let eigen = SymmetricEigen::new(DMatrix::identity(width, width) - t.transpose() * &t);
-        let turned = &t * &eigen.eigenvectors;
-        let columns = turned.column_iter().map(|column| column.into_owned());
-        let all = columns.zip(eigen.eigenvalues.iter().copied());
+        // `T_hᵀ T_h` and `T_h T_hᵀ` have the same eigenvalues but zeros: the smaller one.
+        let few = rows.len() < width;
+        let squares = if few {
+            &t * t.transpose()
+        } else {
+            t.tr_mul(&t)
+        };
+        let size = squares.nrows();
+        let eigen = SymmetricEigen::new(DMatrix::identity(size, size) - squares);
+        let values = eigen.eigenvalues.iter().copied();
+        let turned = if few {
+            eigen.eigenvectors
+        } else {
+            &t * eigen.eigenvectors
+        };
+        let all = turned.column_iter().zip(values).map(|(column, value)| {
+            let length = if few {
+                (1.0 - value).max(0.0).sqrt()
+            } else {
+                1.0
+            };
+            (column * length, value)
+        });
         let (along, only_here) = all.partition(|(_, value)| *value >= DETERMINED);
         Self {
             rows,
