@@ -1,6 +1,9 @@
-//! The angle by which a rotary axis misses a step, another one at each visit.
+//! How each axis returns to its steps: all alike, or some worse than others, or turned by another angle at each visit.
 //!
-//! Its worm or its clamping turns all targets of a visit together, and by more than the repeatability of a coordinate allows: visits
+//! Where the visits of an axis plainly scatter more ([`uneven_axes`]), each has a repeatability of its own, found where they all scatter
+//! alike.
+//!
+//! The worm or the clamping of a rotary axis turns all targets of a visit together, and by more than the repeatability of a coordinate allows: visits
 //! would leave as gross errors, and U would lack the angle of those that stay. With the whitened column x of a turn about the
 //! axis at a visit, the whitened residuals v and what the adjustment leaves of x,
 //!
@@ -18,8 +21,8 @@ use nalgebra::{Point3, Vector3};
 use trueaxis_campaign::{Campaign, Direction, Lengths};
 use trueaxis_kinematics::{AxisKind, Ideal};
 use trueaxis_leastsquares::{dot, median};
-use trueaxis_multilateration::{Network, Noise, Turning, Whitened};
-use trueaxis_screening::{Error, Screened, screen_within};
+use trueaxis_multilateration::{Network, Noise, Return, Whitened};
+use trueaxis_screening::{Error, Screened, screen_within, uneven_axes};
 
 use crate::lengths::network::Group;
 use crate::settings::Settings;
@@ -46,17 +49,41 @@ const LEAST_VISITS: usize = 16;
 /// Part of a turn below which the lengths do not show it.
 const VISIBLE: f64 = 1e-6;
 
+/// A repeatability is settled if its variance is right to this.
+const RIGHT: f64 = 0.02;
+
 /// Steps towards θ; searches for gross errors with it, after each of which some come back.
-const STEPS: usize = 10;
+const STEPS: usize = 40;
 const SEARCHES: usize = 4;
 
-/// How rotary axes return.
+/// How an axis returns to its steps, in units of the repeatability of the network.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AxisReturn {
+    /// Variance of a coordinate.
+    pub(crate) variance: f64,
+    /// Standard deviation of the angle of a rotary axis, rad/mm.
+    pub(crate) angle: f64,
+}
+
+impl AxisReturn {
+    const USUAL: Self = Self {
+        variance: 1.0,
+        angle: 0.0,
+    };
+}
+
+/// How the axes of a campaign return, and the adjustment with it.
+pub(crate) type Found = (Vec<AxisReturn>, Screened);
+
+/// How axes return.
 pub(crate) struct Returns<'a> {
     pub(crate) campaign: &'a Campaign,
     pub(crate) lengths: &'a Lengths,
     pub(crate) network: &'a Network,
-    /// For each group the rotary axis that its run moves, with the unit vector along it.
-    lines: Vec<Option<(usize, Turning)>>,
+    /// For each group the axis that its run moves.
+    axes: Vec<Option<usize>>,
+    /// If it is a rotary one, it too, with the unit vector along it.
+    lines: Vec<Option<(usize, Return)>>,
 }
 
 /// A turn about its axis at a visit.
@@ -75,16 +102,20 @@ impl<'a> Returns<'a> {
         (network, groups): (&'a Network, &[Group]),
     ) -> Self {
         let machine = &campaign.machine;
-        let of_group = |group: &Group| {
-            let step = &campaign.steps[group.step];
-            let axis = campaign.runs[step.run?].axis;
+        let axis = |group: &Group| {
+            let run = campaign.steps[group.step].run?;
+            group.moved.then(|| campaign.runs[run].axis)
+        };
+        let line = |group: &Group| {
+            let (step, axis) = (&campaign.steps[group.step], axis(group)?);
             let moving = &machine.axes()[axis];
-            if !group.moved || moving.kind() != AxisKind::Rotary {
+            if moving.kind() != AxisKind::Rotary {
                 return None;
             }
             let before = machine.chain(axis).iter().rev().nth(1).copied();
             let base = machine.motion(&Ideal, before, &step.positions);
-            let turning = Turning {
+            let turning = Return {
+                variance_ratio: 1.0,
                 point_mm: base * moving.point_mm(),
                 rad_per_mm: base * moving.direction().into_inner(),
             };
@@ -94,30 +125,117 @@ impl<'a> Returns<'a> {
             campaign,
             lengths,
             network,
-            lines: groups.iter().map(of_group).collect(),
+            axes: groups.iter().map(axis).collect(),
+            lines: groups.iter().map(line).collect(),
         }
     }
 
-    /// For each axis of the machine the ratio of the standard deviations of angle and coordinate (rad/mm), and the
-    /// adjustment with it; none if no axis turns, or if more is wrong then than in `together`.
+    /// How each axis of the machine returns; none if all do so alike and none turns, or if more is wrong then than in
+    /// `together`.
     pub(crate) fn found(
         &self,
         settings: &Settings,
         together: Result<&Screened, &Error>,
-    ) -> Option<(Vec<f64>, Screened)> {
-        if self.lines.iter().all(Option::is_none) || settings.asks_why || !settings.robust {
+    ) -> Option<Found> {
+        if settings.asks_why || !settings.robust {
+            return None;
+        }
+        let turned = self.turned(settings, together);
+        let uneven = match &turned {
+            Some((ratios, screened)) => self.uneven(settings, ratios.clone(), Ok(screened)),
+            None => self.uneven(settings, self.usual(), together),
+        };
+        uneven.or(turned)
+    }
+
+    fn usual(&self) -> Vec<AxisReturn> {
+        vec![AxisReturn::USUAL; self.campaign.machine.axes().len()]
+    }
+
+    /// Where to start from, and how much is wrong there.
+    fn start<'s>(
+        &self,
+        together: Result<&'s Screened, &Error>,
+    ) -> Option<(Cow<'s, Screened>, usize)> {
+        match together {
+            Ok(screened) => Some((Cow::Borrowed(screened), wrong(screened))),
+            Err(error) if error.is_contradiction() => {
+                let declared = self.campaign.instrument.declares_noise();
+                let plain = Screened::plain(self.network, declared).ok()?;
+                Some((Cow::Owned(plain), usize::MAX))
+            }
+            Err(_) => None,
+        }
+    }
+
+    /// The lengths that `found` kept, where axes return so.
+    fn again(&self, ratios: &[AxisReturn], found: &Screened) -> Option<Screened> {
+        let declared = self.campaign.instrument.declares_noise();
+        Screened::as_found(&self.with(ratios), declared, found).ok()
+    }
+
+    /// The search for gross errors with the noise of an adjustment.
+    fn search(&self, settings: &Settings, ratios: &[AxisReturn], noise: Noise) -> Option<Screened> {
+        let network = Network {
+            noise,
+            ..self.with(ratios)
+        };
+        screen_within(&network, true, settings.most_removed).ok()
+    }
+
+    /// The same where one axis plainly returns worse than the others.
+    fn uneven(
+        &self,
+        settings: &Settings,
+        mut ratios: Vec<AxisReturn>,
+        together: Result<&Screened, &Error>,
+    ) -> Option<Found> {
+        let (mut found, limit) = self.start(together)?;
+        let mut is_known = false;
+        for _ in 0..SEARCHES {
+            let mut adjusted = match is_known {
+                true => self.again(&ratios, &found)?,
+                false => found.clone().into_owned(),
+            };
+            for _ in 0..STEPS {
+                let (network, solution) = (&adjusted.network, &adjusted.solution);
+                let axes = (ratios.len(), self.axes.as_slice());
+                let scatters = uneven_axes(network, solution, axes, is_known)?;
+                is_known = true;
+                let settled = scatters.iter().all(|ratio| (ratio - 1.0).abs() < RIGHT);
+                // The repeatability of the network is their root mean square.
+                let of_axis = |axis: usize| ratios[axis].variance * scatters[axis];
+                let measured = (0..ratios.len()).filter(|axis| self.axes.contains(&Some(*axis)));
+                let measured: Vec<f64> = measured.map(of_axis).collect();
+                let mean = measured.iter().sum::<f64>() / measured.len() as f64;
+                for (own, ratio) in ratios.iter_mut().zip(&scatters) {
+                    own.variance *= ratio / mean;
+                }
+                adjusted = self.again(&ratios, &found)?;
+                if self.improve(&adjusted, &mut ratios, PLAIN) {
+                    adjusted = self.again(&ratios, &found)?;
+                } else if settled {
+                    break;
+                }
+            }
+            let next = self.search(settings, &ratios, adjusted.network.noise)?;
+            let is_same = wrong(&next) == wrong(&found);
+            found = Cow::Owned(self.again(&ratios, &next)?);
+            if is_same {
+                break;
+            }
+        }
+        (wrong(&found) <= limit).then(|| (ratios, found.into_owned()))
+    }
+
+    /// The same where only rotary axes return badly, by an angle.
+    fn turned(&self, settings: &Settings, together: Result<&Screened, &Error>) -> Option<Found> {
+        if self.lines.iter().all(Option::is_none) {
             return None;
         }
         let declared = self.campaign.instrument.declares_noise();
-        let (mut found, limit) = match together {
-            Ok(screened) => (Cow::Borrowed(screened), wrong(screened)),
-            Err(error) if error.is_contradiction() => {
-                let plain = Screened::plain(self.network, declared).ok()?;
-                (Cow::Owned(plain), usize::MAX)
-            }
-            Err(_) => return None,
-        };
-        let mut ratios = vec![0.0; self.campaign.machine.axes().len()];
+        let (mut found, limit) = self.start(together)?;
+        let mut ratios = self.usual();
         let is_plain = self.improve(&found, &mut ratios, PLAIN);
         let is_likely = is_plain || limit > 0 && self.improve(&found, &mut ratios, LIKELY);
         if !is_likely {
@@ -126,48 +244,37 @@ impl<'a> Returns<'a> {
             }
             let noise = together.map_or(self.network.noise, |screened| screened.network.noise);
             self.excuse(&found, noise, &mut ratios);
-            let network = Network {
-                noise,
-                ..self.with(&ratios)
-            };
-            found = Cow::Owned(screen_within(&network, true, settings.most_removed).ok()?);
+            found = Cow::Owned(self.search(settings, &ratios, noise)?);
         }
         for _ in 0..SEARCHES {
-            let again = |ratios: &[f64], found: &Screened| {
-                Screened::as_found(&self.with(ratios), declared, found).ok()
-            };
-            let mut adjusted = again(&ratios, &found)?;
+            let mut adjusted = self.again(&ratios, &found)?;
             for _ in 0..STEPS {
                 if !self.improve(&adjusted, &mut ratios, PLAIN) {
                     break;
                 }
-                adjusted = again(&ratios, &found)?;
+                adjusted = self.again(&ratios, &found)?;
             }
-            let as_shown = Network {
-                noise: adjusted.network.noise,
-                ..self.with(&ratios)
-            };
-            let next = screen_within(&as_shown, true, settings.most_removed).ok()?;
+            let next = self.search(settings, &ratios, adjusted.network.noise)?;
             let is_same = wrong(&next) == wrong(&found);
-            found = Cow::Owned(again(&ratios, &next)?);
+            found = Cow::Owned(self.again(&ratios, &next)?);
             if is_same {
                 break;
             }
         }
         if !is_likely {
-            let mut none = vec![0.0; ratios.len()];
+            let mut none = self.usual();
             let shown = Screened::as_found(self.network, declared, &found).ok()?;
             if !self.improve(&shown, &mut none, PLAIN) {
                 return None;
             }
         }
-        let turns = ratios.iter().any(|ratio| *ratio > 0.0);
+        let turns = ratios.iter().any(|own| own.angle > 0.0);
         let explains = wrong(&found) < limit || is_plain && wrong(&found) == limit;
         (turns && explains).then(|| (ratios, found.into_owned()))
     }
 
     /// Ratios at which a turn excuses [`EXCUSED`] times the noise of a length.
-    fn excuse(&self, adjusted: &Screened, noise: Noise, ratios: &mut [f64]) {
+    fn excuse(&self, adjusted: &Screened, noise: Noise, ratios: &mut [AxisReturn]) {
         let mut levers_mm = vec![Vec::new(); ratios.len()];
         let (network, solution) = (&adjusted.network, &adjusted.solution);
         for visit in &network.visits {
@@ -177,55 +284,62 @@ impl<'a> Returns<'a> {
             let station_mm = solution.stations[visit.station].position_mm;
             for reading in &network.readings[visit.readings.clone()] {
                 let point_mm = solution.points_mm[network.point(visit.group, reading.point)];
-                levers_mm[*axis].push(lever_mm(line, station_mm, point_mm).abs());
+                levers_mm[*axis].push(line.lever_mm(station_mm, point_mm).abs());
             }
         }
         let sigma_mm = noise.length_sigma_mm.hypot(noise.repeatability_mm);
-        for (levers_mm, ratio) in levers_mm.iter_mut().zip(ratios) {
+        for (levers_mm, own) in levers_mm.iter_mut().zip(ratios) {
             let large = median(levers_mm).map(|lever_mm| EXCUSED * sigma_mm / lever_mm);
-            let own = large.map(|angle| angle / noise.repeatability_mm);
-            *ratio = own.filter(|ratio| ratio.is_finite()).unwrap_or(0.0);
+            let ratio = large.map(|angle| angle / noise.repeatability_mm);
+            own.angle = ratio.filter(|ratio| ratio.is_finite()).unwrap_or(0.0);
         }
     }
 
     /// The network whose axes return so.
-    pub(crate) fn with(&self, ratios: &[f64]) -> Network {
-        let of_group = |line: &Option<(usize, Turning)>| {
-            let (axis, line) = (*line)?;
-            let ratio = *ratios.get(axis)?;
-            (ratio > 0.0).then(|| Turning {
-                rad_per_mm: line.rad_per_mm * ratio,
-                ..line
-            })
+    pub(crate) fn with(&self, ratios: &[AxisReturn]) -> Network {
+        let of_group = |(axis, line): (&Option<usize>, &Option<(usize, Return)>)| {
+            let own = axis.and_then(|axis| ratios.get(axis));
+            let own = own.unwrap_or(&AxisReturn::USUAL);
+            let line = line.map(|(_, line)| line);
+            Return {
+                variance_ratio: own.variance,
+                point_mm: line.map_or(Point3::origin(), |line| line.point_mm),
+                rad_per_mm: line.map_or(Vector3::zeros(), |line| line.rad_per_mm * own.angle),
+            }
         };
-        let turning: Vec<Option<Turning>> = self.lines.iter().map(of_group).collect();
+        let all = || self.axes.iter().zip(&self.lines).map(of_group);
+        let is_special = ratios
+            .iter()
+            .any(|own| own.angle > 0.0 || own.variance.total_cmp(&1.0).is_ne());
         Network {
-            turning: turning
-                .iter()
-                .any(Option::is_some)
-                .then(|| Arc::new(turning)),
+            returns: is_special.then(|| Arc::new(all().collect())),
             ..self.network.clone()
         }
     }
 
     /// Steps towards the ratios that the residuals show; false if none of them differs. `limit` is that of axes that did not turn.
-    fn improve(&self, adjusted: &Screened, ratios: &mut [f64], limit: f64) -> bool {
-        let sigma_mm = adjusted.network.noise.repeatability_mm;
+    fn improve(&self, adjusted: &Screened, ratios: &mut [AxisReturn], limit: f64) -> bool {
+        let noise = adjusted.network.noise;
+        let sigma_mm = noise.repeatability_mm;
+        // Turns may leave none beside them: any unit will do until the noise is estimated with a turn.
+        let unit_mm = match sigma_mm > 0.0 {
+            true => sigma_mm,
+            false => noise.length_sigma_mm,
+        };
         let mut improved = false;
-        for (turns, ratio) in self.turns(adjusted).iter().zip(ratios) {
+        for (turns, own) in self.turns(adjusted).iter().zip(ratios) {
             let part = median(&mut turns.iter().map(|turn| turn.e).collect::<Vec<f64>>());
-            let (Some(excess), Some(part)) = (excess(turns), part.filter(|_| sigma_mm > 0.0))
-            else {
+            let (Some(excess), Some(part)) = (excess(turns), part) else {
                 continue;
             };
             let chance = OF_MEDIAN / (turns.len() as f64).sqrt();
-            let differs = match *ratio > 0.0 {
+            let differs = match own.angle > 0.0 {
                 true => excess.abs() > SETTLED * chance,
                 false => excess > limit * chance,
             };
             if differs {
-                let variance = (*ratio * sigma_mm).powi(2) + excess / part;
-                *ratio = variance.max(0.0).sqrt() / sigma_mm;
+                let variance = (own.angle * sigma_mm).powi(2) + excess / part;
+                own.angle = variance.max(0.0).sqrt() / unit_mm;
                 improved = true;
             }
         }
@@ -247,7 +361,7 @@ impl<'a> Returns<'a> {
             let lever = |i: usize| {
                 let point_mm =
                     solution.points_mm[network.point(visit.group, network.readings[i].point)];
-                lever_mm(&line, station_mm, point_mm)
+                line.lever_mm(station_mm, point_mm)
             };
             let mut x: Vec<f64> = rows.clone().map(lever).collect();
             whitened.whiten_from(number, &mut x);
@@ -277,12 +391,6 @@ impl<'a> Returns<'a> {
 /// What is wrong.
 fn wrong(screened: &Screened) -> usize {
     screened.removed.len() + screened.jumps.len()
-}
-
-/// By how much a length changes for a turn about an axis, mm/rad.
-pub(crate) fn lever_mm(line: &Turning, station_mm: Point3<f64>, point_mm: Point3<f64>) -> f64 {
-    let moved: Vector3<f64> = line.rad_per_mm.cross(&(point_mm - line.point_mm));
-    (point_mm - station_mm).normalize().dot(&moved)
 }
 
 /// By how much the ratio of the variance of the turns to that of the noise exceeds one.
