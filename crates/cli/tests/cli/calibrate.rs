@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
+use trueaxis_campaign::Campaign;
 
 use crate::program::{Outcome, contents, file_names, run, run_line, run_with_environment, shipped};
 
@@ -257,7 +258,7 @@ fn repeats_that_reject_the_model_fail_on_request() {
     let mut campaign = trueaxis_simulate::simulate(&scenario, 1).unwrap().campaign;
     campaign.instrument.length_sigma_um = None;
     campaign.instrument.repeatability_um = None;
-    let fails = |campaign| {
+    let fails = |campaign: &Campaign| {
         let path = trueaxis_campaign::write(campaign, folder.path()).unwrap();
         let path = path.to_str().unwrap();
         run(

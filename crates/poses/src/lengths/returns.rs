@@ -43,6 +43,9 @@ const SETTLED: f64 = 0.2;
 /// Part of what a turn does to a length in its noise that takes no stop away at first, where those that show it may all have left.
 const EXCUSED: f64 = 10.0;
 
+/// Part of the squares in the declared noise that angles must leave where that noise alone is rejected as clearly.
+const EXPLAINED: f64 = 0.25;
+
 /// Visits of an axis below which nothing is said.
 const LEAST_VISITS: usize = 16;
 
@@ -237,12 +240,17 @@ impl<'a> Returns<'a> {
         let (mut found, limit) = self.start(together)?;
         let mut ratios = self.usual();
         let is_plain = self.improve(&found, &mut ratios, PLAIN);
-        let is_likely = is_plain || limit > 0 && self.improve(&found, &mut ratios, LIKELY);
+        // Of a lone table all noise that the residuals show is that of its angle, beside which this is no excess.
+        let squares = found.given_squares;
+        let is_noisy = declared && EXPLAINED * squares > found.solution.degrees_of_freedom() as f64;
+        let is_doubted = limit > 0 || is_noisy;
+        let is_likely = is_plain || is_doubted && self.improve(&found, &mut ratios, LIKELY);
         if !is_likely {
-            if limit == 0 || !declared {
+            if !is_doubted || !declared {
                 return None;
             }
-            let noise = together.map_or(self.network.noise, |screened| screened.network.noise);
+            let shown = together.ok().filter(|_| !is_noisy);
+            let noise = shown.map_or(self.network.noise, |screened| screened.network.noise);
             self.excuse(&found, noise, &mut ratios);
             found = Cow::Owned(self.search(settings, &ratios, noise)?);
         }
@@ -261,7 +269,8 @@ impl<'a> Returns<'a> {
                 break;
             }
         }
-        if !is_likely {
+        let is_explained = is_noisy && found.given_squares < EXPLAINED * squares;
+        if !is_likely && !is_explained {
             let mut none = self.usual();
             let shown = Screened::as_found(self.network, declared, &found).ok()?;
             if !self.improve(&shown, &mut none, PLAIN) {
@@ -269,7 +278,8 @@ impl<'a> Returns<'a> {
             }
         }
         let turns = ratios.iter().any(|own| own.angle > 0.0);
-        let explains = wrong(&found) < limit || is_plain && wrong(&found) == limit;
+        let as_much = is_plain || is_explained;
+        let explains = wrong(&found) < limit || as_much && wrong(&found) == limit;
         (turns && explains).then(|| (ratios, found.into_owned()))
     }
 
