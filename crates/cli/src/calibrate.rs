@@ -108,7 +108,9 @@ pub(crate) fn execute(args: &CalibrateArgs) -> anyhow::Result<Exit> {
 }
 
 fn rejects_the_model(calibration: &Calibration) -> bool {
-    calibration.adjustment.p_value < MISFIT_LEVEL
+    let adjustment = &calibration.adjustment;
+    adjustment.p_value < MISFIT_LEVEL
+        || adjustment.noise.is_some() && adjustment.uncertainty_factor > 1.0
         || !calibration.misfits.is_empty()
         || !calibration.known_misfits.is_empty()
         || !calibration.turned_runs.is_empty()

@@ -13,9 +13,9 @@ use crate::lane_vectors::{LaneVector, splat};
 use crate::network::{Network, VisitsByGroup};
 use crate::pieces::{in_parallel, pieces};
 use crate::reflectors::contrast;
+use crate::returns::LaneReturn;
 use crate::slots::{Layout, SlotVisit, Slots};
 use crate::state::POSE;
-use crate::turning::LaneTurning;
 use crate::{Bodies, Error};
 
 /// Up to eight groups.
@@ -30,8 +30,8 @@ pub(crate) struct Batch {
     are_alike: bool,
     /// Whether the points are on the bed.
     pub(crate) is_bed: bool,
-    /// The axes that the points come back turned about.
-    pub(crate) turning: Option<LaneTurning>,
+    /// How the points return, where the groups do not all return alike.
+    pub(crate) returns: Option<LaneReturn>,
     /// The first point of the group in each lane; lanes without a group repeat the last one.
     pub(crate) first_points: [usize; LANES],
     pub(crate) layout: Arc<Layout>,
@@ -113,7 +113,7 @@ fn piece(
                 of_groups.iter().all(|g| g.places == of_groups[0].places)
             }),
             is_bed: network.bed == Some(groups.start),
-            turning: LaneTurning::of(network, groups),
+            returns: LaneReturn::of(network, groups),
             first_points: std::array::from_fn(|lane| first + points * lane.min(last)),
             layout,
             lengths_mm: vec![Lanes::ZERO; count],

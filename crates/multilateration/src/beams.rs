@@ -23,7 +23,7 @@ pub(crate) struct Beam {
     /// Unit vector from the station to the point.
     pub(crate) unit: LaneVector,
     pub(crate) distance_mm: Lanes,
-    /// [`LaneTurning::lever`](crate::turning::LaneTurning::lever); zero where nothing turns.
+    /// [`LaneReturn::lever`](crate::returns::LaneReturn::lever); zero where nothing turns.
     pub(crate) lever: Lanes,
     /// Observed minus computed length, mm.
     pub(crate) residual_mm: Lanes,
@@ -58,12 +58,11 @@ impl Beams {
                     constant = h.mul_add(Lanes::splat(*a), constant);
                 }
                 let unit = times(beam_mm, per_distance);
-                let turning = batch.turning.as_ref();
                 self.of_slots[slot] = Beam {
                     unit,
                     distance_mm,
-                    lever: turning.map_or(Lanes::ZERO, |turning| {
-                        turning.lever(unit, at(&self.points, point))
+                    lever: batch.returns.as_ref().map_or(Lanes::ZERO, |group| {
+                        group.lever(unit, at(&self.points, point))
                     }),
                     residual_mm: batch.lengths_mm[slot] + dead_path - constant - distance_mm,
                 };
@@ -91,11 +90,18 @@ impl Beams {
         squares * Lanes::mask(batch.groups.len())
     }
 
-    /// Covariance of the lengths of two slots through the return of the machine, over the variance of the return.
+    /// Covariance of the lengths of two slots of a batch through the return of the machine, over the variance of the
+    /// network's repeatability.
     #[inline(always)]
-    pub(crate) fn returning(&self, slot: usize, other: usize) -> Lanes {
+    pub(crate) fn returning(&self, batch: &Batch, slot: usize, other: usize) -> Lanes {
         let (a, b) = (&self.of_slots[slot], &self.of_slots[other]);
-        a.lever.mul_add(b.lever, dot(a.unit, b.unit))
+        let along = match slot == other {
+            true => Lanes::splat(1.0),
+            false => dot(a.unit, b.unit),
+        };
+        let own = batch.returns.as_ref().map(|group| group.variance_ratio);
+        a.lever
+            .mul_add(b.lever, own.map_or(along, |ratio| ratio * along))
     }
 }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use nalgebra::Point3;
 
 use crate::noise::factor_len;
-use crate::{Bodies, Error, Noise, Reflectors, Turning};
+use crate::{Bodies, Error, Noise, Reflectors, Return};
 
 /// Lengths between stations and points.
 ///
@@ -40,8 +40,8 @@ pub struct Network {
     /// The group of the targets on the bed, if there is one: no axis moves it, so its lengths have no repeatability
     /// error.
     pub bed: Option<usize>,
-    /// The axis about which the points of each group also come back turned; `None` where no group has one.
-    pub turning: Option<Arc<Vec<Option<Turning>>>>,
+    /// How the machine returns to the points of each group; `None` where it returns to all alike and turns none.
+    pub returns: Option<Arc<Vec<Return>>>,
     /// Dead paths that are known, at most one for each station.
     pub dead_paths: Vec<KnownDeadPath>,
 }
@@ -138,11 +138,13 @@ impl Network {
         if let Some(bodies) = &self.bodies {
             bodies.check(&self.groups)?;
         }
-        if let Some(turning) = &self.turning
-            && turning.len() != self.groups.len()
-        {
-            let (axes, groups) = (turning.len(), self.groups.len());
-            return malformed(format!("{axes} axes of turning for {groups} groups"));
+        if let Some(returns) = &self.returns {
+            let (count, groups) = (returns.len(), self.groups.len());
+            if count != groups || !returns.iter().all(|r| r.variance_ratio >= 0.0) {
+                return malformed(format!(
+                    "{count} returns, or a negative one, for {groups} groups"
+                ));
+            }
         }
         if let Some(reflectors) = &self.reflectors {
             reflectors.check(self.nominal_mm.len())?;

@@ -7,8 +7,8 @@
 //! C = diag(σ_l²) + σ_m² U Uᵀ        U: unit vectors station -> point, one row for each length
 //! ```
 //!
-//! With [`Turning`](crate::Turning) the machine also returns turned about an axis: `U` then has a fourth column, the
-//! lever of the beam times the ratio of the standard deviations of angle and coordinate.
+//! With [`Return`](crate::Return) `σ_m` is that of the group, and the machine also returns turned about an axis: `U` then
+//! has a fourth column, the lever of the beam times the ratio of the standard deviations of angle and coordinate.
 //!
 //! Lengths are whitened visit by visit with the Cholesky factor of `C`, so correlation costs
 //! nothing beyond a matrix of a few rows.

@@ -61,7 +61,7 @@ fn fill_factor_row(
     let (above, row) = factor.split_at_mut(factor_len(i));
     for j in 0..i {
         let of_j = &above[factor_len(j)..factor_len(j + 1)];
-        let returning = beams.returning(first + i, first + j);
+        let returning = beams.returning(batch, first + i, first + j);
         let mut c = repeatability_variance * returning * there * is_read(batch, first + j);
         for k in 0..j {
             c = row[k].mul_add(-of_j[k], c);
@@ -69,7 +69,7 @@ fn fill_factor_row(
         row[j] = c * of_j[j];
     }
     let beam = &beams.of_slots[first + i];
-    let returning = beam.lever.mul_add(beam.lever, Lanes::splat(1.0));
+    let returning = beams.returning(batch, first + i, first + i);
     let own = own_variance(batch, noise, first + i, beam.distance_mm)
         + repeatability_variance * returning;
     let mut c = own * there + (Lanes::splat(1.0) - there);

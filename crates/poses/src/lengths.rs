@@ -1,7 +1,6 @@
 //! From lengths to poses or to points.
 
 mod adjustment;
-mod alike;
 mod at_one_temperature;
 mod circumstances;
 mod common_value;
@@ -12,13 +11,13 @@ mod reflectors;
 mod refused;
 mod report;
 mod residuals;
+mod returns;
 mod rigid_steps;
 pub(crate) mod scale;
 mod shared_sources;
 mod side_by_side;
 mod side_difference;
 mod targets_that_moved;
-mod turning;
 mod weak_stations;
 
 pub use adjustment::LengthsAdjustment;

@@ -224,7 +224,8 @@ fn common_factor(adjusted: &mut Weighted<'_>, given: Noise) -> Result<NoiseEstim
     })
 }
 
-fn scaled(noise: Noise, length: f64, repeatability: f64) -> Noise {
+/// The noise with both standard deviations times factors.
+pub fn scaled(noise: Noise, length: f64, repeatability: f64) -> Noise {
     Noise {
         length_sigma_mm: noise.length_sigma_mm * length,
         length_sigma_relative: noise.length_sigma_relative * length,

@@ -37,10 +37,12 @@
 //! [`Solution::variance_components`]: trueaxis_multilateration::Solution::variance_components
 //! [`Whitened`]: trueaxis_multilateration::Whitened
 
+mod alike;
 mod error;
 mod estimate_noise;
 mod guard;
 mod interruption;
+mod reflector_set;
 mod reliability;
 mod robust_weights;
 mod screen;
@@ -49,12 +51,14 @@ mod search;
 mod step_tests;
 mod uneven;
 
+pub use alike::{Alike, alike};
 pub use error::{Error, Part};
 pub use estimate_noise::{
     LEAST_DEGREES_OF_FREEDOM, LEAST_SEPARATION, NoiseBasis, NoiseEstimate, PartEstimate, TOO_GOOD,
-    estimate_noise,
+    estimate_noise, scaled,
 };
 pub use guard::{MOST_OF_A_PART, MOST_REMOVED, is_concentrated};
+pub use reflector_set::{USUAL_DIFFERENCE_MM, adjust_as_a_set, solve_as_a_set};
 pub use screen::{screen, screen_within};
 pub use screened::{Jump, Removed, Screened, WanderingZero};
-pub use uneven::{factors_of_readings, station_factors, uneven_stations};
+pub use uneven::{factors_of_readings, station_factors, uneven_axes, uneven_stations};

@@ -1,20 +1,18 @@
-//! Stations whose lengths scatter more than those of the others.
+//! Stations whose lengths scatter more than those of the others, and axes that return worse.
 //!
-//! Told by how Baarda's w of a target changes from one visit to the next, so that a zero that jumps or drifts, and lost motion, are
-//! no scatter; and w knows what the adjustment keeps of each residual, and leaves out what the machine does to all lengths of
-//! a visit. With `z` such a difference
+//! Told by how Baarda's w changes from one visit to the next, so that a zero that jumps or drifts, and lost motion, are
+//! no scatter; and w knows what the adjustment keeps of each residual. That of a target leaves out what the machine does to all
+//! lengths of a visit, which is what that of a visit shows. With `z` such a difference
 //!
 //! ```text
 //! q_j = mean min(z², 9 s²)     s = median|z| / 0.6745     ln(q_j / q) has the variance 2/n + 2/N
 //! ```
 //!
-//! where q is the median of the other stations, n the visits of the station and N the fewest of the others: lengths of a visit
+//! where q is the median of the other stations or axes, n the visits of the one and N the fewest of the others: lengths of a visit
 //! are taken as one observation.
 
-use std::ops::Range;
-
 use trueaxis_leastsquares::median;
-use trueaxis_multilateration::{Network, Solution, Tests, Visit};
+use trueaxis_multilateration::{Network, Solution};
 
 /// Median of the amount of a standard normal variable.
 const MEDIAN: f64 = 0.674_489_75;
@@ -66,8 +64,8 @@ pub fn station_factors<E>(
 /// what the machine does to all lengths is hardly left. Helmert's contrasts `√(k/(k+1)) (r_k - mean(r_0 … r_k-1))` have that of one
 /// length.
 fn own_variance(network: &Network, solution: &Solution, station: usize) -> Option<f64> {
-    let squares = changes(network, station, |readings| {
-        let residuals = &solution.residuals_mm[readings];
+    let squares = changes(network, &visits_of(network, station), |visit| {
+        let residuals = &solution.residuals_mm[network.visits[visit].readings.clone()];
         let contrast = |k: usize| {
             let before = residuals[..k].iter().sum::<f64>() / k as f64;
             (k as f64 / (k + 1) as f64).sqrt() * (residuals[k] - before)
@@ -80,8 +78,49 @@ fn own_variance(network: &Network, solution: &Solution, station: usize) -> Optio
 /// Stations whose lengths plainly scatter more than those of the others, and the ratio of the variances of w.
 pub fn uneven_stations(network: &Network, solution: &Solution) -> Vec<(usize, f64)> {
     let tests = solution.tests(network);
-    let scatters = (0..network.stations.len()).map(|j| scatter(network, &tests, j));
-    let scatters: Vec<Option<Scatter>> = scatters.collect();
+    let of_station = |j: usize| {
+        Scatter::new(network, &visits_of(network, j), |visit| {
+            let readings = network.visits[visit].readings.clone();
+            readings.map(|i| tests.readings[i].w).collect()
+        })
+    };
+    let scatters: Vec<Option<Scatter>> = (0..network.stations.len()).map(of_station).collect();
+    uneven(&scatters)
+}
+
+/// How the visits to the groups of each axis scatter, over the mean of all visits, where those of one axis plainly scatter more
+/// than those of the others, or where it is known that they do; one of an axis that tells nothing.
+pub fn uneven_axes(
+    network: &Network,
+    solution: &Solution,
+    (axes, axis_of_group): (usize, &[Option<usize>]),
+    is_known: bool,
+) -> Option<Vec<f64>> {
+    let tests = solution.tests(network);
+    let of_axis = |axis: usize| {
+        let visits = network.visits.iter().enumerate();
+        // One length does not tell its noise from the machine's.
+        let own = visits.filter(|(_, visit)| {
+            axis_of_group[visit.group] == Some(axis) && visit.readings.len() > 1
+        });
+        let own: Vec<usize> = own.map(|(number, _)| number).collect();
+        Scatter::new(network, &own, |visit| vec![tests.visits[visit]])
+    };
+    let scatters: Vec<Option<Scatter>> = (0..axes).map(of_axis).collect();
+    if !is_known && uneven(&scatters).is_empty() {
+        return None;
+    }
+    let (mut sum, mut visits) = (0.0, 0.0);
+    for own in scatters.iter().flatten() {
+        sum += own.visits * own.variance;
+        visits += own.visits;
+    }
+    let ratio = |own: &Option<Scatter>| own.as_ref().map_or(1.0, |own| own.variance * visits / sum);
+    Some(scatters.iter().map(ratio).collect())
+}
+
+/// Those that plainly scatter more than the others, and the ratio of the variances.
+fn uneven(scatters: &[Option<Scatter>]) -> Vec<(usize, f64)> {
     let uneven = |j: usize| {
         let own = scatters[j].as_ref()?;
         let others = || {
@@ -111,47 +150,43 @@ pub fn factors_of_readings(network: &Network, of_stations: &[f64]) -> Vec<f64> {
     factors
 }
 
-/// What the lengths of a station scatter.
+/// What some visits scatter.
 struct Scatter {
     /// Mean square of the differences of w.
     variance: f64,
     visits: f64,
 }
 
-fn scatter(network: &Network, tests: &Tests, station: usize) -> Option<Scatter> {
-    let squares = changes(network, station, |readings| {
-        readings.map(|i| tests.readings[i].w).collect()
-    });
-    Some(Scatter {
-        variance: mean_without_jumps(squares)?,
-        visits: visits_of(network, station).count() as f64,
-    })
+impl Scatter {
+    /// How the w of some visits change.
+    fn new(network: &Network, visits: &[usize], w: impl Fn(usize) -> Vec<f64>) -> Option<Self> {
+        Some(Self {
+            variance: mean_without_jumps(changes(network, visits, w))?,
+            visits: visits.len() as f64,
+        })
+    }
 }
 
-fn visits_of(network: &Network, station: usize) -> impl Iterator<Item = &Visit> {
-    network
-        .visits
-        .iter()
-        .filter(move |visit| visit.station == station)
+fn visits_of(network: &Network, station: usize) -> Vec<usize> {
+    let visits = 0..network.visits.len();
+    visits
+        .filter(|&visit| network.visits[visit].station == station)
+        .collect()
 }
 
-/// Squares of how some numbers of a visit change to the next of the station that reads the same points.
-fn changes(
-    network: &Network,
-    station: usize,
-    of_visit: impl Fn(Range<usize>) -> Vec<f64>,
-) -> Vec<f64> {
-    let visits: Vec<&Visit> = visits_of(network, station).collect();
-    let points = |visit: &Visit| {
-        network.readings[visit.readings.clone()]
-            .iter()
-            .map(|r| r.point)
+/// Squares of how some numbers of a visit change to the next of its station that reads the same points.
+fn changes(network: &Network, visits: &[usize], of_visit: impl Fn(usize) -> Vec<f64>) -> Vec<f64> {
+    let read = |visit: usize| {
+        let visit = &network.visits[visit];
+        let readings = network.readings[visit.readings.clone()].iter();
+        (visit.station, readings.map(|r| r.point))
     };
-    let two = visits
-        .windows(2)
-        .filter(|two| points(two[0]).eq(points(two[1])));
-    let squares = two.flat_map(|two| {
-        let [a, b] = [two[0], two[1]].map(|visit| of_visit(visit.readings.clone()));
+    let is_again = |two: &&[usize]| {
+        let [(station, a), (next, b)] = [two[0], two[1]].map(read);
+        station == next && a.eq(b)
+    };
+    let squares = visits.windows(2).filter(is_again).flat_map(|two| {
+        let [a, b] = [two[0], two[1]].map(&of_visit);
         a.into_iter()
             .zip(b)
             .map(|(a, b)| (b - a).powi(2))

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
+use trueaxis_campaign::Campaign;
 
 use crate::program::{Outcome, contents, file_names, run, run_line, run_with_environment, shipped};
 
@@ -245,6 +246,31 @@ fn sides_of_approach_on_request() {
         document["axes"][0]["positions"].as_array().unwrap().len()
     };
     assert_eq!(positions(&["--by-direction"]), 2 * positions(&[]));
+}
+
+/// Residuals of noise that is not declared say nothing; repeats that agree better with each other than with the model do.
+#[test]
+fn repeats_that_reject_the_model_fail_on_request() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = shipped("fxyz").join("scenario.json");
+    let mut scenario = trueaxis_simulate::Scenario::read(&path).unwrap();
+    scenario.repeats = 2;
+    let mut campaign = trueaxis_simulate::simulate(&scenario, 1).unwrap().campaign;
+    campaign.instrument.length_sigma_um = None;
+    campaign.instrument.repeatability_um = None;
+    let fails = |campaign: &Campaign| {
+        let path = trueaxis_campaign::write(campaign, folder.path()).unwrap();
+        let path = path.to_str().unwrap();
+        run(
+            folder.path(),
+            &["calibrate", path, "--no-report", "--fail-on-misfit"],
+        )
+    };
+    fails(&campaign).assert_good();
+    for reading in &mut campaign.lengths.as_mut().unwrap().readings {
+        reading.length_mm += 2e-3 * (reading.length_mm / 7.0).sin();
+    }
+    fails(&campaign).assert_failed("repeats", MISFIT, "all U are … reject the model");
 }
 
 /// The five-axis campaign has lost motion, which one curve for both sides cannot hold.

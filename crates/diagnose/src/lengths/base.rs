@@ -2,12 +2,12 @@
 
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::{Scene, TemperatureHistory};
-use trueaxis_multilateration::{Network, Solution, Whitened, solve_as_a_set, solve_from};
+use trueaxis_multilateration::{Network, Solution, Whitened, solve_from};
 use trueaxis_poses::{
     CampaignNetwork, Group, LengthCircumstances as Reading, LengthsAdjustment, Method, Observation,
     length_circumstances, network_from_campaign, scene_of, temperature_histories,
 };
-use trueaxis_screening::Removed;
+use trueaxis_screening::{Removed, solve_as_a_set};
 use trueaxis_selection::Hypothesis;
 
 use crate::Error;

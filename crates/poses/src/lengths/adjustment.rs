@@ -3,19 +3,19 @@
 use nalgebra::{DVector, Matrix6, Point3};
 use rayon::prelude::*;
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_kinematics::{ARCSEC, centroid};
-use trueaxis_multilateration::{
-    BlockNoise, Network, Solution, Station, adjust_as_a_set, solve_as_a_set,
+use trueaxis_kinematics::{ARCSEC, Axis, MICROMETRE, centroid};
+use trueaxis_multilateration::{BlockNoise, Network, Solution, Station};
+use trueaxis_screening::{
+    Alike, Screened, adjust_as_a_set, alike, scaled, screen_within, solve_as_a_set, uneven_stations,
 };
-use trueaxis_screening::{Screened, screen_within, uneven_stations};
 
 use crate::Error;
 use crate::lengths::network::{CampaignNetwork, Group, network_from_campaign};
 use crate::lengths::refused::{adjustment_error, contradictory, screening_error};
+use crate::lengths::returns::{AxisReturn, Returns};
 use crate::lengths::scale::{Scale, ScaleResult, at_scale};
 use crate::lengths::shared_sources::SharedSources;
 use crate::lengths::side_by_side::side_by_side;
-use crate::lengths::turning::Returns;
 use crate::points::{MeasuredPoints, PointGroup, PointNoise};
 use crate::poses::{PoseNoise, PoseObservation, Poses, TargetBody};
 use crate::report::KnownMisfit;
@@ -39,6 +39,9 @@ pub struct LengthsAdjustment<'a> {
     pub(crate) scale: Option<Scale>,
     /// What is known and contradicts the lengths.
     pub known_misfits: Vec<KnownMisfit>,
+    /// What the repeats of stops have alike beyond the model, by the factor of which the noise of `screened` is larger
+    /// than its estimates.
+    pub(crate) alike: Option<Alike>,
 }
 
 /// A residual this many times its noise in the mean is no noise: something in the data is wrong.
@@ -81,9 +84,9 @@ impl<'a> LengthsAdjustment<'a> {
             network.reflectors = reflectors_known;
         }
         let returns = Returns::new(campaign, lengths, (&network, &groups));
-        let turning = returns.found(settings, adjusted.as_ref());
-        let (ratios, adjusted) = match turning {
-            Some((ratios, turning)) => (ratios, Ok(turning)),
+        let found = returns.found(settings, adjusted.as_ref());
+        let (ratios, adjusted) = match found {
+            Some((ratios, found)) => (ratios, Ok(found)),
             None => (Vec::new(), adjusted),
         };
         let apart = side_by_side(&returns, settings, &ratios, adjusted.as_ref());
@@ -99,27 +102,39 @@ impl<'a> LengthsAdjustment<'a> {
             screened,
             scale: None,
             known_misfits: Vec::new(),
+            alike: None,
         };
-        let mut notices = adjustment.check()?;
-        notices.extend(adjustment.turning(&ratios));
+        let mut notices = adjustment.check(!ratios.is_empty())?;
+        notices.extend(adjustment.returns(&ratios));
         notices.extend(adjustment.uneven());
+        adjustment.widen()?;
         adjustment.take_known(bodies)?;
         Ok((adjustment, notices))
     }
 
-    /// Axes that miss their steps by another angle at each visit.
-    fn turning(&self, ratios: &[f64]) -> Vec<String> {
-        let axes = self.campaign.machine.axes().iter().zip(ratios);
-        let turning = axes.filter(|(_, ratio)| **ratio > 0.0);
-        let said = turning.map(|(axis, ratio)| {
+    /// Axes that miss their steps by another angle at each visit, or by more than others.
+    fn returns(&self, ratios: &[AxisReturn]) -> Vec<String> {
+        let axes = || self.campaign.machine.axes().iter().zip(ratios);
+        let turning = axes().filter(|(_, own)| own.angle > 0.0);
+        let repeatability_mm = self.screened.network.noise.repeatability_mm;
+        let said = turning.map(|(axis, own)| {
             format!(
                 "axis {}: it stops turned by another angle each time, {:.1}″ (standard deviation) beyond what the repeatability of a coordinate \
                  explains: U contains it; see whether its worm or its clamping is worn",
                 axis.name(),
-                ratio * self.screened.network.noise.repeatability_mm / ARCSEC
+                own.angle * repeatability_mm / ARCSEC
             )
         });
-        said.collect()
+        let uneven = axes().any(|(_, own)| own.variance.total_cmp(&1.0).is_ne()).then(|| {
+            let size = |(axis, own): (&Axis, &AxisReturn)| {
+                format!("{} {:.1}", axis.name(), own.variance.sqrt() * repeatability_mm / MICROMETRE)
+            };
+            format!(
+                "the axes return to their steps unequally well, {} µm (standard deviation of a coordinate): U of each contains its own",
+                axes().map(size).collect::<Vec<_>>().join(", ")
+            )
+        });
+        said.chain(uneven).collect()
     }
 
     /// Stations whose lengths scatter more than those of the others.
@@ -138,19 +153,21 @@ impl<'a> LengthsAdjustment<'a> {
     }
 
     /// Refuses an adjustment that cannot be trusted. Contradictions come first: they make the stations look
-    /// weak.
-    fn check(&self) -> Result<Vec<String>, Error> {
+    /// weak; how axes return is none.
+    fn check(&self, is_return: bool) -> Result<Vec<String>, Error> {
         let (campaign, lengths, solution) = (self.campaign, self.lengths, &self.screened.solution);
         let residuals_mm = self.screened.residuals_mm();
         let sigma0 = self.given_sigma0();
         if sigma0 > CONTRADICTORY_SIGMA0 {
             return Err(contradictory(campaign, lengths, sigma0, &residuals_mm));
         }
-        let by = match campaign.instrument.declares_noise() {
-            true => sigma0,
-            false => 1.0,
+        let noise_mm = campaign.instrument.length_sigma_um.unwrap_or(1.0) * MICROMETRE;
+        let noise = match campaign.instrument.declares_noise() {
+            true if is_return => (noise_mm * sigma0.max(1.0), 1.0),
+            true => (noise_mm, sigma0),
+            false => (noise_mm, 1.0),
         };
-        let weak = self.weak_stations(&residuals_mm, by)?;
+        let weak = self.weak_stations(&residuals_mm, noise)?;
         if !solution.termination.is_converged() {
             return Err(Error::NotConverged {
                 iterations: solution.iterations,
@@ -161,6 +178,21 @@ impl<'a> LengthsAdjustment<'a> {
             self.check_targets()?;
         }
         Ok(weak)
+    }
+
+    /// Where repeats agree better with each other than with the model, what they have alike takes its part in U. Nothing is widened
+    /// for a diagnosis, which asks what it is.
+    fn widen(&mut self) -> Result<(), Error> {
+        let (network, solution) = (&self.screened.network, &self.screened.solution);
+        self.alike = alike(network, solution).filter(|_| !self.settings.asks_why);
+        if let Some(alike) = &self.alike {
+            let noise = scaled(network.noise, alike.factor, alike.factor);
+            self.screened = self.solved_again(Network {
+                noise,
+                ..network.clone()
+            })?;
+        }
+        Ok(())
     }
 
     /// Standard deviation of unit weight with the declared noise.

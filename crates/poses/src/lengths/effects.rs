@@ -2,7 +2,8 @@
 
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::{ResolvedEffect, TemperatureHistory};
-use trueaxis_multilateration::{Network, Solution, solve_as_a_set};
+use trueaxis_multilateration::{Network, Solution};
+use trueaxis_screening::solve_as_a_set;
 
 use crate::Error;
 use crate::lengths::circumstances::{

@@ -94,7 +94,7 @@ impl LengthsAdjustment<'_> {
     }
 
     /// The same with a network of the same lengths.
-    fn solved_again(&self, network: Network) -> Result<Screened, Error> {
+    pub(crate) fn solved_again(&self, network: Network) -> Result<Screened, Error> {
         let solution = solve_from(&network, &self.screened.solution);
         let words = |error| adjustment_error(self.campaign, self.lengths, &self.groups, error);
         Ok(Screened {

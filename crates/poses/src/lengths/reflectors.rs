@@ -5,7 +5,7 @@
 //! dead paths are known, what they have in common.
 
 use trueaxis_kinematics::MICROMETRE;
-use trueaxis_multilateration::USUAL_DIFFERENCE_MM;
+use trueaxis_screening::USUAL_DIFFERENCE_MM;
 
 use crate::lengths::LengthsAdjustment;
 

@@ -2,10 +2,9 @@
 
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::chi_squared_upper_tail;
-use trueaxis_screening::{Jump, NoiseBasis, PartEstimate, Screened, WanderingZero};
+use trueaxis_screening::{Jump, NoiseBasis, PartEstimate, WanderingZero};
 
 use crate::lengths::LengthsAdjustment;
-use crate::lengths::alike::alike;
 use crate::report::{
     AdjustmentReport, InterruptedOccupation, NoiseReport, PartReport, RejectedLength,
     approached_from_both_sides, p_in_words,
@@ -21,7 +20,7 @@ impl LengthsAdjustment<'_> {
         let noise_declared = self.campaign.instrument.declares_noise();
         let sigma0 = match noise_declared {
             true => self.given_sigma0(),
-            false if degrees_of_freedom > 0 => solution.sigma0(),
+            false if degrees_of_freedom > 0 => self.widening() * solution.sigma0(),
             false => 1.0,
         };
         let squares = sigma0.powi(2) * degrees_of_freedom as f64;
@@ -39,7 +38,7 @@ impl LengthsAdjustment<'_> {
             sigma0,
             p_value: chi_squared_upper_tail(squares, degrees_of_freedom as f64),
             noise_declared,
-            uncertainty_factor: 1.0,
+            uncertainty_factor: self.widening(),
             factor_degrees_of_freedom: f64::INFINITY,
             rms_residual_mm: solution.rms_residual_mm(),
             noise: Some(self.noise_report()),
@@ -98,19 +97,23 @@ impl LengthsAdjustment<'_> {
         notices
     }
 
-    /// What all repeats of a stop have alike, and what it does to U.
+    /// Factor on U for what all repeats of a stop have alike.
+    fn widening(&self) -> f64 {
+        self.alike.as_ref().map_or(1.0, |alike| alike.factor)
+    }
+
+    /// What all repeats of a stop have alike.
     fn alike(&self) -> Option<String> {
-        let Screened {
-            network, solution, ..
-        } = &self.screened;
-        let alike = alike(network, solution)?;
-        Some(format!(
-            "repeats of a stop agree with each other {:.1} times as well as with the model ({}): what they have alike is no noise, but U takes \
-             it for noise and is too small by a factor of about {:.1}; `trueaxis diagnose` looks for it",
-            alike.ratio,
-            p_in_words(alike.p_value),
-            alike.factor
-        ))
+        self.alike.as_ref().map(|alike| {
+            format!(
+                "repeats of a stop agree with each other {:.1} times as well as with the model ({}): what they have alike is no noise; all U are \
+                 {:.1} times those of the noise, but what moves or warms up in the course of a campaign may do more; `trueaxis diagnose` \
+                 looks for it",
+                alike.ratio,
+                p_in_words(alike.p_value),
+                alike.factor
+            )
+        })
     }
 
     /// Zeros that wander; those of most stations do not wander by chance.

@@ -13,7 +13,8 @@
 use rayon::prelude::*;
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::{chi_squared_upper_tail, f_upper_tail};
-use trueaxis_multilateration::{Network, OwnShapeTest, Solution, solve_as_a_set};
+use trueaxis_multilateration::{Network, OwnShapeTest, Solution};
+use trueaxis_screening::solve_as_a_set;
 
 use crate::lengths::LengthsAdjustment;
 use crate::lengths::network::network_from_campaign;

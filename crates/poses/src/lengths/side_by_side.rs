@@ -13,11 +13,11 @@
 use std::sync::Arc;
 
 use trueaxis_leastsquares::f_upper_tail;
-use trueaxis_multilateration::{Interruption, adjust_as_a_set, solve};
-use trueaxis_screening::{Error, Jump, Screened, screen_within};
+use trueaxis_multilateration::{Interruption, solve};
+use trueaxis_screening::{Error, Jump, Screened, adjust_as_a_set, screen_within};
 
 use crate::lengths::network::network_from_campaign;
-use crate::lengths::turning::Returns;
+use crate::lengths::returns::{AxisReturn, Returns};
 use crate::settings::{Method, Settings};
 
 /// Probability of sides that differ as much by chance.
@@ -28,7 +28,7 @@ const LEVEL: f64 = 1e-3;
 pub(crate) fn side_by_side(
     returns: &Returns<'_>,
     settings: &Settings,
-    ratios: &[f64],
+    ratios: &[AxisReturn],
     together: Result<&Screened, &Error>,
 ) -> Option<Screened> {
     let (wrong, jumps) = match together {

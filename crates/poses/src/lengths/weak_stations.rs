@@ -1,7 +1,5 @@
 //! Stations that the lengths hardly determine.
 
-use trueaxis_kinematics::MICROMETRE;
-
 use crate::Error;
 use crate::lengths::LengthsAdjustment;
 use crate::lengths::refused::{LOOK_AT, or_as_they_are};
@@ -13,15 +11,14 @@ const HOPELESS_STATION: f64 = 5.0;
 
 impl LengthsAdjustment<'_> {
     /// Stations that are so poorly determined that uncertainties of first order mean little: the length
-    /// to a station that is off by u across the beam is off by u²/2d, which no linear propagation sees. `sigma0` is that with the declared
-    /// noise.
+    /// to a station that is off by u across the beam is off by u²/2d, which no linear propagation sees. The noise of a length, and
+    /// how many times that the lengths contradict each other by.
     pub(crate) fn weak_stations(
         &self,
         residuals_mm: &[f64],
-        sigma0: f64,
+        (noise_mm, sigma0): (f64, f64),
     ) -> Result<Vec<String>, Error> {
         let (campaign, lengths, solution) = (self.campaign, self.lengths, &self.screened.solution);
-        let noise_mm = campaign.instrument.length_sigma_um.unwrap_or(1.0) * MICROMETRE;
         let mut nearest_mm = vec![f64::INFINITY; solution.stations.len()];
         for stop in &lengths.stops {
             for i in stop.readings.clone() {

@@ -17,8 +17,6 @@ use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use trueaxis_leastsquares::f_upper_tail;
 use trueaxis_multilateration::{Network, Solution, Visit};
 
-use crate::lengths::turning::lever_mm;
-
 /// Degrees of freedom on either side below which nothing is said.
 const LEAST_DEGREES: f64 = 10.0;
 
@@ -26,17 +24,18 @@ const LEAST_DEGREES: f64 = 10.0;
 const LEVEL: f64 = 1e-3;
 
 /// What repeats have alike.
-pub(crate) struct Alike {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alike {
     /// Rms of what all repeats have alike over that of how they differ, each of a single length in units of its noise.
-    pub(crate) ratio: f64,
+    pub ratio: f64,
     /// By what the standard deviation of a mean over repeats is larger than the noise of all residuals says.
-    pub(crate) factor: f64,
+    pub factor: f64,
     /// Probability of as much from noise.
-    pub(crate) p_value: f64,
+    pub p_value: f64,
 }
 
 /// What the repeats of a network have alike, if it is more than chance gives them.
-pub(crate) fn alike(network: &Network, solution: &Solution) -> Option<Alike> {
+pub fn alike(network: &Network, solution: &Solution) -> Option<Alike> {
     let stop = |visit: &Visit| (visit.station, points(network, visit));
     let mut of_stop: HashMap<(usize, Vec<usize>), Vec<&Visit>> = HashMap::new();
     for visit in &network.visits {
@@ -84,10 +83,8 @@ fn differences(network: &Network, solution: &Solution, repeats: &[&Visit]) -> Op
     let points = points(network, repeats[0]).into_iter();
     let places: Vec<Point3<f64>> = points.map(|p| solution.points_mm[p]).collect();
     let beams: Vec<Vector3<f64>> = places.iter().map(|place| place - station_mm).collect();
-    let turning = network.turning.as_ref();
-    let turning = turning.and_then(|all| all[repeats[0].group]);
-    let lever =
-        |place: &Point3<f64>| turning.map_or(0.0, |turning| lever_mm(&turning, station_mm, *place));
+    let own = network.returns.as_ref().map(|all| all[repeats[0].group]);
+    let lever = |place: &Point3<f64>| own.map_or(0.0, |own| own.lever_mm(station_mm, *place));
     let levers: Vec<f64> = places.iter().map(lever).collect();
     let returns = network.noise.repeatability_mm.powi(2);
     let on_bed = network.bed == Some(repeats[0].group);
@@ -96,7 +93,9 @@ fn differences(network: &Network, solution: &Solution, repeats: &[&Visit]) -> Op
             true => 0.0,
             false => {
                 let displaced = beams[i].normalize().dot(&beams[k].normalize());
-                returns * (displaced + levers[i] * levers[k])
+                returns
+                    * (displaced * own.map_or(1.0, |own| own.variance_ratio)
+                        + levers[i] * levers[k])
             }
         };
         let own = network.noise.length_sigma_at_mm(beams[i].norm()).powi(2);

@@ -2,10 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::reflectors::Reflectors;
-use crate::solution::Solution;
-use crate::solve::{solve, solve_from};
-use crate::{Error, Network};
+use trueaxis_multilateration::{Error, Network, Reflectors, Solution, solve, solve_from};
 
 /// Largest difference between the constants of a set of laser-tracker reflectors, mm.
 pub const USUAL_DIFFERENCE_MM: f64 = 5e-3;
