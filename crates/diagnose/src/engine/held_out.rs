@@ -6,7 +6,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trueaxis_selection::{EQUAL, Projection};
+use trueaxis_selection::Projection;
 
 use crate::engine::{Measured, Suspect, scan};
 use crate::{Gain, HeldOutRatio};
@@ -111,8 +111,7 @@ pub(crate) fn sought_again<D: Measured>(
         let mut best: Option<(f64, f64, Vec<f64>)> = None;
         scan.for_each(&projection.residuals, &mut |tried, gram, s| {
             let statistic = gram.statistic(s);
-            // Instants within what is left out are equal: the first, as rounding would choose any.
-            if best.as_ref().is_none_or(|best| statistic > best.1 + EQUAL) {
+            if best.as_ref().is_none_or(|best| statistic > best.1) {
                 best = Some((tried.shape, statistic, gram.shrunk(s)));
             }
         });
