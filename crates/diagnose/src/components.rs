@@ -41,7 +41,6 @@ mod estimate;
 mod family;
 mod judgement;
 mod line_curve;
-mod ln_chi_squared;
 mod report;
 mod search;
 mod smooth_prior;

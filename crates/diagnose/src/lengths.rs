@@ -8,7 +8,6 @@
 //!
 //! - [`base`] has the lengths; [`adjust`] adjusts them ([`adjusted`]) with the full nonlinear model, less the effects
 //!   of the causes so far; the parameters of the causes follow by block elimination until both converge.
-//! - [`weighed`]: stations whose lengths scatter more have less weight.
 //! - [`measured`]: the lengths as the search for causes ([`crate::engine`]) needs them.
 //! - [`beside`]: disturbances join the covariance.
 //! - [`grown`]: an effect that scales all lengths of a station may also be a machine that was larger then.
@@ -38,7 +37,6 @@ mod search;
 mod shifted;
 mod swapped;
 mod unexplained;
-mod weighed;
 
 pub(crate) use report::diagnose_lengths;
 pub(crate) use trueaxis_poses::scene_of as scene;

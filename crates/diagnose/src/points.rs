@@ -17,6 +17,7 @@
 //! - [`base`]: the adjustment, its derivatives, and the effects of the catalogue on the coordinates.
 //! - [`noise`], [`model`], [`variances`]: whitening stop by stop, elimination of the poses, restricted maximum
 //!   likelihood, with different variances in three directions if the residuals demand it.
+//! - [`weighed`]: targets that scatter more than the others have less weight.
 //! - [`gross_errors`]: points that contradict all others leave, before the search and beside its causes.
 //! - [`mod@wrong_points`]: those that `calibrate` leaves out, too.
 //! - [`doubted`]: whether too many points contradict the others for that.
@@ -45,6 +46,7 @@ mod readings;
 mod report;
 mod screened;
 mod variances;
+mod weighed;
 mod wrong_points;
 
 pub(crate) use report::diagnose_points;

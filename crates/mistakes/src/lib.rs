@@ -2,7 +2,7 @@
 //!
 //! Each mistake (names of targets or stations exchanged, an axis or the lengths reversed, nominal positions that are not
 //! those at home, a wrong prism constant) is undone in a copy of the campaign, and that copy is calibrated; long runs are
-//! thinned first. A mistake is reported, with where it was made and what to change, if undoing it makes the lengths fit with
+//! thinned first. A mistake is reported, with where it was made and what to change, if undoing it makes the lengths (or points) fit with
 //! only isolated rejections, and the axes move as commanded. Mistakes that fit alike are all named, of those made in the
 //! largest part of the measurement; the first is one that targets and stations do not speak against ([`OffNominal`]). A
 //! constant may be of any size: the lengths to one target are left out, and it is their mean difference from what the others
@@ -27,7 +27,7 @@
 //!
 //! # What it does not do
 //!
-//! It finds one mistake at a time, and none that no length contradicts.
+//! It finds one mistake at a time, and none that no length or point contradicts.
 
 mod lost_sweeps;
 mod mistake;

@@ -52,6 +52,16 @@ impl Mistake {
                 }
             }
             of_lengths => {
+                if let (Some(points), What::TargetsExchanged(targets)) =
+                    (&mut changed.points, of_lengths)
+                {
+                    for stop in self.scope.stops(campaign) {
+                        let readings = &mut points.readings[stop.readings.clone()];
+                        readings
+                            .iter_mut()
+                            .for_each(|reading| exchange(&mut reading.target, targets));
+                    }
+                }
                 let Some(lengths) = &mut changed.lengths else {
                     return changed;
                 };

@@ -25,7 +25,7 @@ pub(crate) fn measured(
     scope: &Scope,
 ) -> Option<What> {
     let lengths = campaign.lengths.as_ref()?;
-    let stops: Vec<&Stop> = scope.stops(campaign, lengths).collect();
+    let stops: Vec<&Stop> = scope.stops(campaign).collect();
     let predicted_mm = (others.lengths_mm)(campaign, target, &stops)?;
     let mut differences_mm = Vec::new();
     for (stop, predicted_mm) in stops.iter().zip(predicted_mm) {

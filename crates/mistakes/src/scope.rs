@@ -1,6 +1,6 @@
 //! A part of the measurement in which a mistake may have been made, and the campaign without it.
 
-use trueaxis_campaign::{Campaign, LengthReading, Lengths, Stop};
+use trueaxis_campaign::{Campaign, Stop};
 
 /// All stops of a station, a run, a repeat; those of all of them where `None`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
@@ -19,12 +19,8 @@ impl Scope {
     }
 
     /// Its stops.
-    pub(crate) fn stops<'a>(
-        &'a self,
-        campaign: &'a Campaign,
-        lengths: &'a Lengths,
-    ) -> impl Iterator<Item = &'a Stop> {
-        let stops = lengths.stops.iter();
+    pub(crate) fn stops<'a>(&'a self, campaign: &'a Campaign) -> impl Iterator<Item = &'a Stop> {
+        let stops = stops_of(campaign).iter();
         stops.filter(|stop| self.holds(campaign, stop))
     }
 
@@ -49,16 +45,40 @@ impl Scope {
             .station
             .map(|station| format!("from station {}", campaign.stations[station].name));
         let parts: Vec<String> = [repeat, run, station].into_iter().flatten().collect();
-        let (mut first, mut last) = (usize::MAX, 0);
-        if let Some(lengths) = &campaign.lengths {
-            for stop in self.stops(campaign, lengths) {
-                for reading in &lengths.readings[stop.readings.clone()] {
-                    (first, last) = (first.min(reading.line), last.max(reading.line));
-                }
-            }
-        }
+        let of_stop = |stop: &Stop| readings_of(campaign, stop).into_iter();
+        let lines = self.stops(campaign).flat_map(of_stop).map(|(_, line)| line);
+        let lines = lines.fold([usize::MAX, 0], |[a, b], line| [a.min(line), b.max(line)]);
         let parts = parts.join(" ");
-        format!("{parts} (lines {first} to {last} of the lengths)")
+        let what = match campaign.lengths {
+            Some(_) => "lengths",
+            None => "points",
+        };
+        format!("{parts} (lines {} to {} of the {what})", lines[0], lines[1])
+    }
+}
+
+/// The stops of the lengths, or of the points.
+pub(crate) fn stops_of(campaign: &Campaign) -> &[Stop] {
+    match (&campaign.lengths, &campaign.points) {
+        (Some(lengths), _) => &lengths.stops,
+        (None, Some(points)) => &points.stops,
+        (None, None) => &[],
+    }
+}
+
+/// Target and line of each reading of a stop.
+pub(crate) fn readings_of(campaign: &Campaign, stop: &Stop) -> Vec<(usize, usize)> {
+    let own = stop.readings.clone();
+    match (&campaign.lengths, &campaign.points) {
+        (Some(all), _) => all.readings[own]
+            .iter()
+            .map(|r| (r.target, r.line))
+            .collect(),
+        (None, Some(all)) => all.readings[own]
+            .iter()
+            .map(|r| (r.target, r.line))
+            .collect(),
+        (None, None) => Vec::new(),
     }
 }
 
@@ -78,34 +98,37 @@ pub(crate) fn thinned(campaign: &Campaign) -> Campaign {
             kept[of_run[i * last / (count - 1).max(1)]] = true;
         }
     }
-    with_lengths(campaign, |stop, _| kept[stop.step])
+    with_readings(campaign, |stop, _| kept[stop.step])
 }
 
-/// The campaign with some of its lengths only.
-pub(crate) fn with_lengths(
-    campaign: &Campaign,
-    keep: impl Fn(&Stop, &LengthReading) -> bool,
-) -> Campaign {
+/// The campaign with some of its lengths or points only, told by their stop and target.
+pub(crate) fn with_readings(campaign: &Campaign, keep: impl Fn(&Stop, usize) -> bool) -> Campaign {
     let mut changed = campaign.clone();
-    let Some(lengths) = &mut changed.lengths else {
-        return changed;
-    };
-    let all = std::mem::take(&mut lengths.readings);
-    let mut kept = Vec::with_capacity(all.len());
-    lengths.stops.retain_mut(|stop| {
-        let (first, before) = (lengths.readings.len(), stop.clone());
-        for reading in &all[before.readings.clone()] {
-            kept.push(keep(&before, reading));
-            if kept.last() == Some(&true) {
-                lengths.readings.push(reading.clone());
-            }
+    let mut kept = Vec::new();
+    let mut count = 0;
+    let mut retain = |stop: &mut Stop| {
+        let first = count;
+        for (target, _) in readings_of(campaign, stop) {
+            kept.push(keep(stop, target));
+            count += usize::from(kept.last() == Some(&true));
         }
-        stop.readings = first..lengths.readings.len();
+        stop.readings = first..count;
         !stop.readings.is_empty()
-    });
-    for column in &mut lengths.logged {
-        let mut kept = kept.iter();
-        column.values.retain(|_| kept.next() == Some(&true));
+    };
+    if let Some(lengths) = &mut changed.lengths {
+        lengths.stops.retain_mut(&mut retain);
+        of_kept(&mut lengths.readings, &kept);
+        for column in &mut lengths.logged {
+            of_kept(&mut column.values, &kept);
+        }
+    } else if let Some(points) = &mut changed.points {
+        points.stops.retain_mut(&mut retain);
+        of_kept(&mut points.readings, &kept);
     }
     changed
+}
+
+fn of_kept<T>(all: &mut Vec<T>, kept: &[bool]) {
+    let mut kept = kept.iter();
+    all.retain(|_| kept.next() == Some(&true));
 }

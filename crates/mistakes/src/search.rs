@@ -8,13 +8,16 @@ use trueaxis_poses::AdjustmentReport;
 use crate::mistake::{Mistake, What};
 use crate::off_nominal::OffNominal;
 use crate::offsets::measured;
-use crate::scope::{Scope, thinned, with_lengths};
+use crate::scope::{Scope, stops_of, thinned, with_readings};
 use crate::suspects::{LeftOut, suspects};
 
 /// Standard deviation of unit weight up to which lengths fit, if their noise is declared; the residuals up to
 /// which they do otherwise, mm.
 const FITTING_SIGMA0: f64 = 3.0;
 const FITTING_MM: f64 = 20.0 * MICROMETRE;
+
+/// The same of points, mm: a robot returns to some tenths, and what is exchanged or reversed is off by centimetres.
+const FITTING_POINTS_MM: f64 = 0.3;
 
 /// Share of the lengths that may be accidents beside a mistake.
 pub const MOST_ACCIDENTS: f64 = 0.01;
@@ -75,7 +78,9 @@ impl Mistakes<'_> {
     /// A text about the mistakes that would explain data that contradict each other: where they were made, and what to
     /// change. `None` if none does.
     pub fn explanation(&self) -> Option<String> {
-        self.campaign.lengths.as_ref()?;
+        if stops_of(self.campaign).is_empty() {
+            return None;
+        }
         self.explanation_within(&Scope::default())
     }
 
@@ -120,12 +125,12 @@ impl Mistakes<'_> {
     fn explanations(&self, within: &Scope) -> Vec<Explanation> {
         let small = thinned(self.campaign);
         let as_it_is = (self.calibrate)(&small, false);
-        if *within == Scope::default() && as_it_is.as_ref().is_ok_and(Trial::fits) {
+        if *within == Scope::default() && as_it_is.as_ref().is_ok_and(|trial| self.fits(trial)) {
             return Vec::new();
         }
         let most_mm = as_it_is.map_or(f64::INFINITY, |found| EXPLAINED * found.rms_mm());
         let without = |scope: Scope| {
-            let rest = with_lengths(&small, |stop, _| !scope.holds(&small, stop));
+            let rest = with_readings(&small, |stop, _| !scope.holds(&small, stop));
             match (self.calibrate)(&rest, false) {
                 Err(Refused::Contradiction) => LeftOut::Contradicts,
                 Err(Refused::Other) => LeftOut::Open,
@@ -166,8 +171,8 @@ impl Mistakes<'_> {
         most_mm: f64,
     ) -> Option<Explanation> {
         if let What::Offset { target, .. } = mistake.what {
-            let others = with_lengths(campaign, |stop, reading| {
-                reading.target != target || !mistake.scope.holds(campaign, stop)
+            let others = with_readings(campaign, |stop, of| {
+                of != target || !mistake.scope.holds(campaign, stop)
             });
             mistake.what = measured(
                 campaign,
@@ -188,27 +193,28 @@ impl Mistakes<'_> {
     /// everything contradicts everything: it is only for what fits almost, with residuals below `most_mm`.
     fn good(&self, campaign: &Campaign, most_mm: f64) -> Option<Trial> {
         let mut trial = (self.calibrate)(campaign, false).ok()?;
-        if self.robust && !trial.fits() && trial.rms_mm() < most_mm {
+        if self.robust && !self.fits(&trial) && trial.rms_mm() < most_mm {
             trial = (self.calibrate)(campaign, true).ok()?;
         }
         let adjustment = &trial.adjustment;
         let accidents = adjustment.rejected.len() as f64;
         let few = accidents <= MOST_ACCIDENTS * (adjustment.observations as f64 + accidents);
-        (trial.fits() && few && trial.is_plausible).then_some(trial)
+        (self.fits(&trial) && few && trial.is_plausible).then_some(trial)
+    }
+
+    /// Whether the residuals are noise, more or less.
+    fn fits(&self, trial: &Trial) -> bool {
+        let adjustment = &trial.adjustment;
+        match (adjustment.noise_declared, &self.campaign.lengths) {
+            (true, _) => adjustment.sigma0 < FITTING_SIGMA0,
+            (false, Some(_)) => adjustment.rms_residual_mm < FITTING_MM,
+            (false, None) => adjustment.rms_residual_mm < FITTING_POINTS_MM,
+        }
     }
 }
 
 impl Trial {
     fn rms_mm(&self) -> f64 {
         self.adjustment.rms_residual_mm
-    }
-
-    /// Whether the residuals are noise, more or less.
-    fn fits(&self) -> bool {
-        let adjustment = &self.adjustment;
-        match adjustment.noise_declared {
-            true => adjustment.sigma0 < FITTING_SIGMA0,
-            false => adjustment.rms_residual_mm < FITTING_MM,
-        }
     }
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use trueaxis_campaign::Campaign;
 
 use crate::mistake::{Mistake, What};
-use crate::scope::Scope;
+use crate::scope::{Scope, readings_of, stops_of};
 
 /// What becomes of the lengths if a part of them is left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,7 +46,7 @@ pub(crate) fn suspects(
         }
     }
     for &scope in &scopes {
-        if scope.run.is_none() && scope.repeat.is_none() {
+        if scope.run.is_none() && scope.repeat.is_none() && campaign.lengths.is_some() {
             add(What::LengthsReversed, scope);
         }
     }
@@ -97,7 +97,7 @@ fn scopes(
     within: &Scope,
     left_out: impl Fn(Scope) -> LeftOut + Sync,
 ) -> Vec<Scope> {
-    let stops = campaign.lengths.iter().flat_map(|lengths| &lengths.stops);
+    let stops = stops_of(campaign).iter();
     let repeats: BTreeSet<u32> = stops.map(|stop| stop.repeat).collect();
     let repeats: Vec<u32> = repeats.into_iter().collect();
     let runs: Vec<usize> = (0..campaign.runs.len()).collect();
@@ -155,25 +155,20 @@ fn one_of<T: Copy + Sync + Send>(
 
 /// Whether there are lengths to a target in a part.
 fn is_read(campaign: &Campaign, target: usize, scope: &Scope) -> bool {
-    campaign.lengths.as_ref().is_some_and(|lengths| {
-        let mut stops = scope.stops(campaign, lengths);
-        stops.any(|stop| {
-            let readings = &lengths.readings[stop.readings.clone()];
-            readings.iter().any(|reading| reading.target == target)
-        })
-    })
+    let mut readings = scope
+        .stops(campaign)
+        .flat_map(|stop| readings_of(campaign, stop));
+    campaign.lengths.is_some() && readings.any(|(of, _)| of == target)
 }
 
 /// Targets that could be taken for each other: those that are read at the same stops.
 fn pairs_of_targets(campaign: &Campaign) -> BTreeSet<[usize; 2]> {
     let mut pairs = BTreeSet::new();
-    if let Some(lengths) = &campaign.lengths {
-        for stop in &lengths.stops {
-            let read = &lengths.readings[stop.readings.clone()];
-            for (i, a) in read.iter().enumerate() {
-                let others = read[i + 1..].iter().filter(|b| b.target != a.target);
-                pairs.extend(others.map(|b| [a.target.min(b.target), a.target.max(b.target)]));
-            }
+    for stop in stops_of(campaign) {
+        let read = readings_of(campaign, stop);
+        for (i, &(a, _)) in read.iter().enumerate() {
+            let others = read[i + 1..].iter().filter(|(b, _)| *b != a);
+            pairs.extend(others.map(|&(b, _)| [a.min(b), a.max(b)]));
         }
     }
     pairs

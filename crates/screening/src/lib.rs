@@ -61,4 +61,4 @@ pub use guard::{MOST_OF_A_PART, MOST_REMOVED, is_concentrated};
 pub use reflector_set::{USUAL_DIFFERENCE_MM, adjust_as_a_set, solve_as_a_set};
 pub use screen::{screen, screen_within};
 pub use screened::{Jump, Removed, Screened, WanderingZero};
-pub use uneven::{factors_of_readings, station_factors, uneven_axes, uneven_stations};
+pub use uneven::{Scatter, Uneven, uneven, uneven_axes, uneven_lengths, weigh_uneven};

@@ -45,7 +45,7 @@ fn a_station_that_scatters_more_names_nothing() {
             found.causes
         );
         let is_said = |notice: &String| {
-            notice.starts_with("station S3: its lengths scatter") && notice.contains("weigh less")
+            notice.starts_with("station S3: lengths of it scatter") && notice.contains("weigh less")
         };
         assert!(
             found.notices.iter().any(is_said),

@@ -8,14 +8,13 @@
 
 use nalgebra::DMatrix;
 use trueaxis_effects::{Scene, Subject, effect};
-use trueaxis_selection::Score;
+use trueaxis_selection::{Score, ln_chi_squared};
 
 use crate::cause::{Cause, EstimatedParameter};
 use crate::components::candidates::Candidate;
 use crate::components::curve_set::CurveSet;
 use crate::components::estimate::{Estimate, estimate};
 use crate::components::judgement::Judgement;
-use crate::components::ln_chi_squared::ln_chi_squared;
 use crate::components::report;
 use crate::components::search::{Found, SetSearch};
 

@@ -13,12 +13,11 @@
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
-use trueaxis_selection::{FixedScan, Gram, Score};
+use trueaxis_selection::{FixedScan, Gram, Score, ln_chi_squared};
 
 use crate::components::background::Background;
 use crate::components::candidates::Candidate;
 use crate::components::curve_set::CurveSet;
-use crate::components::ln_chi_squared::ln_chi_squared;
 
 /// A candidate judged for every size of the rest.
 pub(crate) struct Judgement {

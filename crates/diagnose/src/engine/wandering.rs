@@ -86,6 +86,9 @@ pub(crate) fn wandered_mm<D: Wanders>(
 /// Most disturbances at once; more cannot be separated.
 const MOST: usize = 3;
 
+/// Nothing wanders farther, µm (standard deviation): names were exchanged, or coordinates mistyped.
+const FARTHEST_UM: f64 = 5e3;
+
 /// A size is settled if it changes by less than this share of itself: the rest of the data hardly depends on it.
 const RESTS: f64 = 0.1;
 
@@ -252,7 +255,7 @@ pub(crate) fn judge_all<D: Wanders>(
     by_evidence(judged.collect(), |one: &JudgedDisturbance| one.evidence)
 }
 
-/// A disturbance in what an adjusted model leaves; `None` if the data do not show it.
+/// A disturbance in what an adjusted model leaves; `None` if the data do not show it, or it would be larger than anything that wanders.
 fn judge<D: Wanders>(
     base: &D,
     adjusted: &D::Model,
@@ -267,6 +270,11 @@ fn judge<D: Wanders>(
         .map(|&spectrum| wanderer.roots_of_spectrum(base.scene(), &all, spectrum));
     let roots: Vec<Vec<f64>> = roots.collect();
     let smooth = Smooth::new(D::projection(adjusted), &columns, &roots)?;
+    let is_too_large = |unit_um: &f64| smooth.width * unit_um > FARTHEST_UM;
+    if smooth.p_value < SMOOTH_LEVEL && units_um(base, adjusted, wanderer).iter().any(is_too_large)
+    {
+        return None;
+    }
     Some(JudgedDisturbance {
         disturbance: Disturbance {
             wanderer,

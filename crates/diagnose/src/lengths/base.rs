@@ -7,7 +7,7 @@ use trueaxis_poses::{
     CampaignNetwork, Group, LengthCircumstances as Reading, LengthsAdjustment, Method, Observation,
     length_circumstances, network_from_campaign, scene_of, temperature_histories,
 };
-use trueaxis_screening::{Removed, solve_as_a_set};
+use trueaxis_screening::{Removed, solve_as_a_set, weigh_uneven};
 use trueaxis_selection::Hypothesis;
 
 use crate::Error;
@@ -16,7 +16,6 @@ use crate::engine::disturbance::Disturbance;
 use crate::extremes::extremes;
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::left_out::LeftOut;
-use crate::lengths::weighed::weigh_stations;
 
 /// The lengths of a campaign, ready to be adjusted.
 #[derive(Clone)]
@@ -33,7 +32,7 @@ pub(crate) struct Base<'a> {
     pub(super) declared: bool,
     /// Readings that were left out as gross errors.
     pub(crate) left_out: Vec<LeftOut>,
-    /// Stations whose lengths scatter more than those of the others, and have less weight.
+    /// Stations of which lengths scatter more than the others, and have less weight.
     pub(crate) uneven: Vec<usize>,
     /// Disturbances in the covariance of the lengths.
     pub(crate) disturbances: Vec<Disturbance>,
@@ -82,7 +81,7 @@ impl<'a> Base<'a> {
         let (mut network, kept) = network.without(&numbers);
         let mut start = solve_as_a_set(&mut network, near)?;
         let declared = campaign.instrument.declares_noise();
-        let uneven = weigh_stations(&mut network, &mut start, declared)?;
+        let uneven = weigh_uneven(&mut network, &mut start, declared)?;
         let readings = length_circumstances(campaign, lengths, &network, &groups, &kept);
         Ok(Self {
             span_s: extremes(readings.iter().map(|r| r.time_s)),

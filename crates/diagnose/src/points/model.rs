@@ -105,6 +105,15 @@ impl Model {
         Self { suspects, ..self }
     }
 
+    /// What poses and shapes leave of a row alone, in squares.
+    pub(crate) fn left_of_row(&self, row: usize) -> f64 {
+        let taken = [
+            self.projection.own_row(row),
+            self.projection.shared_row(row),
+        ];
+        1.0 - taken.into_iter().flatten().map(|x| x * x).sum::<f64>()
+    }
+
     /// Rms of what a model leaves, for one degree of freedom, in units of the noise.
     pub(crate) fn rms(projection: &Projection) -> f64 {
         (projection.squares() / projection.degrees_of_freedom.max(1.0)).sqrt()

@@ -189,6 +189,13 @@ fn notices(screened: &Screened<'_>) -> Vec<String> {
                 .to_owned(),
         );
     }
+    notices.extend(screened.uneven.iter().map(|&target| {
+        format!(
+            "target {}: its points scatter more than those of the others and weigh less here: a loose nest, a beam that \
+             meets it askew, or, far from a rotary axis, how that axis returns",
+            base.scene.targets[target].name
+        )
+    }));
     let elapsed = base.readings.all.iter().map(|r| r.elapsed_s);
     if elapsed.fold(0.0, f64::max) <= 0.0 {
         notices.push(

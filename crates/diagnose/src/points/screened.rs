@@ -8,6 +8,7 @@ use crate::engine::Suspect;
 use crate::points::base::Base;
 use crate::points::gross_errors::{Gross, are_accidents, stand_out};
 use crate::points::model::Model;
+use crate::points::weighed::weighed;
 
 /// The points without gross errors.
 pub(super) struct Screened<'a> {
@@ -15,6 +16,8 @@ pub(super) struct Screened<'a> {
     pub(super) gross: Vec<Gross>,
     /// Whether there are too many, or several consecutive ones: then none is left out.
     pub(super) are_many: bool,
+    /// Targets that scatter more than the others, and weigh less.
+    pub(super) uneven: Vec<usize>,
 }
 
 impl<'a> Screened<'a> {
@@ -25,28 +28,39 @@ impl<'a> Screened<'a> {
         scene: &'a Scene,
         causes: &[Suspect],
     ) -> Self {
+        let adjusted = |points: &Points, removed: &[usize]| {
+            let base = Base::new(campaign, scene, points, removed);
+            let model = Model::estimated(&base, &base.columns_of(causes));
+            (base, model)
+        };
+        let (mut base, mut model) = adjusted(points, &[]);
+        let of_all = weighed(points, (&base, &model), |points| adjusted(points, &[]));
+        let (points, uneven) = match &of_all {
+            Some((points, uneven)) => {
+                (base, model) = adjusted(points, &[]);
+                (points, uneven.clone())
+            }
+            None => (points, Vec::new()),
+        };
         let mut gross: Vec<Gross> = Vec::new();
         loop {
-            let removed = numbers(&gross);
-            let base = Base::new(campaign, scene, points, &removed);
-            let model = Model::estimated(&base, &base.columns_of(causes));
             let next = stand_out(&base, &model);
             let are_many = !are_accidents(&[&gross[..], &next[..]].concat(), &base, points);
             if are_many {
                 gross.clear();
+                base = Base::new(campaign, scene, points, &[]);
             }
             if next.is_empty() || are_many {
                 gross.sort_by_key(|g| g.points[0].number);
                 return Self {
-                    base: match are_many {
-                        true => Base::new(campaign, scene, points, &[]),
-                        false => base,
-                    },
+                    base,
                     gross,
                     are_many,
+                    uneven,
                 };
             }
             gross.extend(next);
+            (base, model) = adjusted(points, &numbers(&gross));
         }
     }
 

@@ -140,13 +140,8 @@ impl Model {
         let (mut points, mut of_repeatability) = (Part::default(), Part::default());
         let e = &self.projection.residuals;
         for (row, e) in e.iter().enumerate() {
-            let taken = [
-                self.projection.own_row(row),
-                self.projection.shared_row(row),
-            ];
-            let taken: f64 = taken.into_iter().flatten().map(|x| x * x).sum();
             let of = &mut points.0[row % 3];
-            *of = (of.0 + e * e, of.1 + 1.0 - taken);
+            *of = (of.0 + e * e, of.1 + self.left_of_row(row));
         }
         for stop in &base.readings.stops {
             let readings = &base.readings.all[stop.clone()];

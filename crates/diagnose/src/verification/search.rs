@@ -100,9 +100,9 @@ fn hidden_pair(listed: &Listed, excluded: &[usize], level: f64) -> Vec<Chosen> {
     let mut pair = vec![first];
     pair.extend(best(listed, &pair, excluded, (least, false)));
     drop_superfluous(listed, &mut pair, least);
-    match pair.len() {
-        2 => pair,
-        _ => Vec::new(),
+    match pair.len() == 2 && !opposed(listed, &pair) {
+        true => pair,
+        false => Vec::new(),
     }
 }
 

@@ -6,7 +6,7 @@ use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_kinematics::{ARCSEC, Axis, MICROMETRE, centroid};
 use trueaxis_multilateration::{BlockNoise, Network, Solution, Station};
 use trueaxis_screening::{
-    Alike, Screened, adjust_as_a_set, alike, scaled, screen_within, solve_as_a_set, uneven_stations,
+    Alike, Screened, adjust_as_a_set, alike, scaled, screen_within, solve_as_a_set, uneven_lengths,
 };
 
 use crate::Error;
@@ -137,16 +137,19 @@ impl<'a> LengthsAdjustment<'a> {
         said.chain(uneven).collect()
     }
 
-    /// Stations whose lengths scatter more than those of the others.
+    /// Lengths that scatter more than the others.
     fn uneven(&self) -> Vec<String> {
-        let uneven = uneven_stations(&self.screened.network, &self.screened.solution);
-        let plainly = uneven.iter().filter(|(_, ratio)| *ratio > TWICE);
-        let said = plainly.map(|&(station, ratio)| {
+        let uneven = uneven_lengths(&self.screened.network, &self.screened.solution);
+        let plainly = uneven.iter().filter(|own| own.ratio > TWICE);
+        let said = plainly.map(|own| {
+            let stations = own.stations.iter();
+            let stations = stations.map(|&j| self.campaign.stations[j].name.as_str());
             format!(
-                "station {}: its lengths scatter {:.1} times as much as those of the others, but all weigh alike: U is too small for what \
-                 hangs on it; see whether its tripod stood firmly, and measure it again",
-                self.campaign.stations[station].name,
-                ratio.sqrt()
+                "station {}: {} lengths scatter {:.1} times as much as the others, but all weigh alike: U is too small for what \
+                 hangs on them; see whether the tripod stood firmly, and measure them again",
+                stations.collect::<Vec<_>>().join(", "),
+                if own.are_whole { "its" } else { "many" },
+                own.ratio.sqrt()
             )
         });
         said.collect()

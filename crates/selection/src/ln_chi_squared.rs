@@ -6,7 +6,7 @@ use statrs::function::erf::erfc;
 ///
 /// By the recursion `Q_{k+2} = Q_k + (x/2)^{k/2} e^{-x/2} / Γ(k/2 + 1)` from `Q_0 = 0` or
 /// `Q_1 = erfc √(x/2)`, with `e^{-x/2}` taken out.
-pub(crate) fn ln_chi_squared(x: f64, degrees_of_freedom: usize) -> f64 {
+pub fn ln_chi_squared(x: f64, degrees_of_freedom: usize) -> f64 {
     if degrees_of_freedom == 0 || x <= 0.0 {
         return 0.0;
     }
