@@ -187,7 +187,7 @@ fn notices(base: &Base<'_>) -> Vec<String> {
     }
     for &station in &base.uneven {
         notices.push(format!(
-            "station {}: lengths of it scatter more than the others and weigh less here: see whether the tripod stood firmly, and \
+            "station {}: its lengths, or many of them, scatter more than the others and weigh less here: see whether the tripod stood firmly, and \
              what passed through the beam",
             base.scene.stations[station]
         ));

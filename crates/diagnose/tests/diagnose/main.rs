@@ -31,6 +31,7 @@ mod odd;
 mod orders;
 mod paused;
 mod periods;
+mod point_names;
 mod points;
 mod rough;
 mod settling;
