@@ -111,10 +111,10 @@ impl Mistakes<'_> {
         }
         text += match is_open {
             true => {
-                "; the lengths, targets and stations fit each of them: look at the machine which it was"
+                "; the lengths, targets and stations fit each of them: look at the machine to see which it was"
             }
             false => {
-                "; the lengths fit each of them, only where targets and stations are tells them apart: look at the machine"
+                "; the data fit each of them, and only the nominal places of targets and stations distinguish them: look at the machine"
             }
         };
         Some(text)

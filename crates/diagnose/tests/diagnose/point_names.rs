@@ -15,11 +15,10 @@ fn refusal(campaign: &Campaign) -> String {
 /// It was a contradiction without a cause, or the axis that fits worst.
 #[test]
 fn exchanged_targets_of_points_are_named_with_their_lines() {
-    let whole = |_: &Stop, run: Option<usize>| run == Some(1);
-    let repeat = |stop: &Stop, run: Option<usize>| run == Some(1) && stop.repeat == 2;
-    let parts: [(&dyn Fn(&Stop, Option<usize>) -> bool, bool); 2] =
-        [(&whole, false), (&repeat, true)];
-    for (seed, (is_part, is_of_repeat)) in (0..).zip(parts) {
+    // A run, and a repeat of it.
+    for (seed, is_of_repeat) in [(0, false), (1, true)] {
+        let is_part =
+            |stop: &Stop, run: Option<usize>| run == Some(1) && (!is_of_repeat || stop.repeat == 2);
         let mut campaign = made(&Plan::THREE_AXES, &[], seed);
         let (steps, points) = (&campaign.steps, campaign.points.as_mut().unwrap());
         let mut lines = [usize::MAX, 0];
