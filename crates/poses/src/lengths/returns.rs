@@ -186,6 +186,26 @@ impl<'a> Returns<'a> {
         screen_within(&network, true, settings.most_removed).ok()
     }
 
+    /// Seeks gross errors again in the noise of what `adjusted` makes of those found, until as many are left.
+    fn settle(
+        &self,
+        settings: &Settings,
+        found: &mut Cow<'_, Screened>,
+        ratios: &mut [AxisReturn],
+        mut adjusted: impl FnMut(&Screened, &mut [AxisReturn]) -> Option<Screened>,
+    ) -> Option<()> {
+        for _ in 0..SEARCHES {
+            let noise = adjusted(found, ratios)?.network.noise;
+            let next = self.search(settings, ratios, noise)?;
+            let is_same = wrong(&next) == wrong(found);
+            *found = Cow::Owned(self.again(ratios, &next)?);
+            if is_same {
+                break;
+            }
+        }
+        Some(())
+    }
+
     /// The same where one axis plainly returns worse than the others.
     fn uneven(
         &self,
@@ -195,10 +215,10 @@ impl<'a> Returns<'a> {
     ) -> Option<Found> {
         let (mut found, limit) = self.start(together)?;
         let mut is_known = false;
-        for _ in 0..SEARCHES {
+        self.settle(settings, &mut found, &mut ratios, |found, ratios| {
             let mut adjusted = match is_known {
-                true => self.again(&ratios, &found)?,
-                false => found.clone().into_owned(),
+                true => self.again(ratios, found)?,
+                false => found.clone(),
             };
             for _ in 0..STEPS {
                 let (network, solution) = (&adjusted.network, &adjusted.solution);
@@ -214,20 +234,15 @@ impl<'a> Returns<'a> {
                 for (own, ratio) in ratios.iter_mut().zip(&scatters) {
                     own.variance *= ratio / mean;
                 }
-                adjusted = self.again(&ratios, &found)?;
-                if self.improve(&adjusted, &mut ratios, PLAIN) {
-                    adjusted = self.again(&ratios, &found)?;
+                adjusted = self.again(ratios, found)?;
+                if self.improve(&adjusted, ratios, PLAIN) {
+                    adjusted = self.again(ratios, found)?;
                 } else if settled {
                     break;
                 }
             }
-            let next = self.search(settings, &ratios, adjusted.network.noise)?;
-            let is_same = wrong(&next) == wrong(&found);
-            found = Cow::Owned(self.again(&ratios, &next)?);
-            if is_same {
-                break;
-            }
-        }
+            Some(adjusted)
+        })?;
         (wrong(&found) <= limit).then(|| (ratios, found.into_owned()))
     }
 
@@ -254,21 +269,16 @@ impl<'a> Returns<'a> {
             self.excuse(&found, noise, &mut ratios);
             found = Cow::Owned(self.search(settings, &ratios, noise)?);
         }
-        for _ in 0..SEARCHES {
-            let mut adjusted = self.again(&ratios, &found)?;
+        self.settle(settings, &mut found, &mut ratios, |found, ratios| {
+            let mut adjusted = self.again(ratios, found)?;
             for _ in 0..STEPS {
-                if !self.improve(&adjusted, &mut ratios, PLAIN) {
+                if !self.improve(&adjusted, ratios, PLAIN) {
                     break;
                 }
-                adjusted = self.again(&ratios, &found)?;
+                adjusted = self.again(ratios, found)?;
             }
-            let next = self.search(settings, &ratios, adjusted.network.noise)?;
-            let is_same = wrong(&next) == wrong(&found);
-            found = Cow::Owned(self.again(&ratios, &next)?);
-            if is_same {
-                break;
-            }
-        }
+            Some(adjusted)
+        })?;
         let is_explained = is_noisy && found.given_squares < EXPLAINED * squares;
         if !is_likely && !is_explained {
             let mut none = self.usual();
