@@ -44,4 +44,5 @@ mod verification;
 mod words;
 
 pub use error::Error;
+pub use numbers::decimals;
 pub use report::{Report, report};

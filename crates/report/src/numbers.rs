@@ -20,10 +20,9 @@ pub(crate) fn normal_quantile(probability: f64) -> f64 {
     Normal::standard().inverse_cdf(probability)
 }
 
-/// Two significant digits of `uncertainty`, at most six decimals.
-pub(crate) fn decimals(uncertainty: f64) -> usize {
+/// Decimals with which an uncertainty has two significant digits, six at most; one where it is infinite, for it says nothing then.
+pub fn decimals(uncertainty: f64) -> usize {
     if uncertainty.is_infinite() {
-        // It says nothing about the digits.
         return 1;
     }
     let limits = [9.95, 0.995, 0.0995, 9.95e-3, 9.95e-4, 9.95e-5];

@@ -3,6 +3,7 @@
 use trueaxis_diagnose::{CurvePoint, EstimatedParameter};
 use trueaxis_effects::{ResolvedEffect, Scene};
 use trueaxis_files::{told_behind, told_effect, told_places, told_span, told_unit};
+use trueaxis_report::decimals;
 
 use crate::summary::COVERAGE;
 
@@ -123,12 +124,6 @@ fn plain(parameter: &EstimatedParameter) -> String {
         true => format!("{:.decimals$} ± {expanded:.decimals$}", parameter.value),
         false => format!("{:.1}", parameter.value),
     }
-}
-
-/// Two digits of the uncertainty, at most six decimals.
-fn decimals(expanded: f64) -> usize {
-    let limits = [9.95, 0.995, 0.0995, 9.95e-3, 9.95e-4, 9.95e-5];
-    limits.iter().take_while(|limit| expanded < **limit).count()
 }
 
 /// A unit as it stands behind a value.
