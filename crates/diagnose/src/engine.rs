@@ -21,8 +21,7 @@
 //! - [`between`]: a shape between two of a list.
 //! - [`search`]: lengths and points. Causes join one after the other; each is judged beside the others, gives way to
 //!   a better one, or leaves.
-//! - [`candidate`]: a hypothesis with the columns of a list of shapes, and between them.
-//! - [`listed`]: for verification and runs, the choice of causes one after the other in a linear model.
+//! - [`linear`]: the same for verification and runs, where nothing is adjusted anew.
 //! - [`smooth`]: how much a process of unknown form explains; [`mod@disturbance`]: disturbances of lengths and points
 //!   ([`mod@wandering`]), where they have more evidence than causes or are left beside them ([`competition`]);
 //!   [`mod@wandered`] reports them.
@@ -35,7 +34,6 @@
 mod accidents;
 mod basis;
 mod between;
-mod candidate;
 mod competition;
 pub(crate) mod coordinate;
 mod culprit;
@@ -43,7 +41,7 @@ pub(crate) mod disturbance;
 mod estimated;
 mod held_out;
 mod hypotheses;
-mod listed;
+pub(crate) mod linear;
 mod measured;
 mod omnibus;
 mod opposed;
@@ -58,7 +56,6 @@ mod wanders;
 
 pub(crate) use accidents::{first_lines, most};
 pub(crate) use between::golden_section;
-pub(crate) use candidate::{Candidate, Finer};
 pub(crate) use competition::{
     Candidates, Competed, add_rival_disturbances, compete, only_wandering, settled,
 };
@@ -66,7 +63,6 @@ pub(crate) use culprit::{Culprit, Culprits};
 pub(crate) use estimated::{ByShape, cause, derivative, with_uncertainties};
 pub(crate) use held_out::{FOLDS, HeldOut, Sums, resampled_ratios, sought_again};
 pub(crate) use hypotheses::{duration_s, in_equal_ratios, is_tested, of_catalogue, scan, scans};
-pub(crate) use listed::{Beside, Chosen, Judged, Listed, without};
 pub(crate) use measured::{Found, Measured, Suspect};
 pub(crate) use omnibus::{
     Family, MOST_OF_FREEDOM, OMNIBUS_LEVEL, Omnibus, family_wise, is_imitation, still_left,

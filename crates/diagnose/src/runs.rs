@@ -18,7 +18,7 @@ use trueaxis_leastsquares::chi_squared_upper_tail;
 use trueaxis_poses::EffectsOnLengths;
 use trueaxis_selection::{Projection, f_test};
 
-use crate::engine::{Judged, Listed};
+use crate::engine::linear::{Judged, Listed};
 pub(crate) use crate::runs::contradicting::contradicting_runs;
 use crate::runs::fitted::fitted;
 use crate::runs::hypotheses::{candidates, not_observable};
@@ -111,10 +111,8 @@ fn compared(
     comparisons: &[RunComparison],
     on_lengths: &EffectsOnLengths<'_>,
 ) -> (Said, Option<Campaign>) {
-    let listed = Listed {
-        base: projection(comparisons),
-        candidates: candidates(scene, replay, comparisons, on_lengths).into(),
-    };
+    let candidates = candidates(scene, replay, comparisons, on_lengths);
+    let listed = Listed::new(projection(comparisons), candidates.into());
     let base = &listed.base;
     let test = |model: &Projection| test(model, noise_dof);
     let is_left = |model: &Projection| test(model).p_value < MISFIT_LEVEL;

@@ -1,31 +1,24 @@
 //! A hypothesis with few shapes, each with its own columns.
 
-use std::ops::Range;
+use std::sync::Arc;
 
 use trueaxis_leastsquares::lane_products::{LaneMatrix, SharedMatrix, add_product};
 use trueaxis_leastsquares::{Lanes, dot};
 
-use crate::gram_matrix::{concerned, gram_matrix_of};
-use crate::projection::Taken;
+use crate::gram_matrix::gram_matrix_of;
 use crate::scan::{OfOne, OfSeveral, Tried};
-use crate::{Gram, Hypothesis, Projection, Scan};
+use crate::{Gram, Hypothesis, Projection, Scan, ShapeColumns};
 
-/// Columns for every shape.
+/// A list of shapes, and those added to it.
 pub struct FixedScan {
     hypothesis: Hypothesis,
-    shapes: Vec<FixedShape>,
-    /// Columns of one shape after the other, each cut to the rows that its shape concerns.
-    columns: Vec<f64>,
-    rows: usize,
+    parts: Vec<Part>,
 }
 
-struct FixedShape {
-    tried: Tried,
-    /// From the first row that the shape concerns to the last: one occupation of many for one station.
-    concerned: Range<usize>,
-    /// Its range in the columns of all shapes.
-    columns: Range<usize>,
-    gram: Gram,
+/// Shapes with their Gram matrices in this model; of rank zero where the data see none of its columns.
+struct Part {
+    columns: Arc<ShapeColumns>,
+    grams: Vec<Gram>,
 }
 
 impl FixedScan {
@@ -57,54 +50,62 @@ impl FixedScan {
     fn of(
         hypothesis: Hypothesis,
         projection: &Projection,
-        tried: impl Iterator<Item = Tried> + Clone,
+        tried: impl Iterator<Item = Tried>,
         columns: impl Fn(f64) -> Vec<Vec<f64>>,
     ) -> Option<Self> {
-        let mut scan = Self {
+        let (tried, all): (Vec<Tried>, Vec<_>) = tried.map(|one| (one, columns(one.shape))).unzip();
+        let grams = grams(projection, &all);
+        let columns = ShapeColumns::tried_with(tried.into_iter().zip(all));
+        Self::seen(hypothesis, Arc::new(columns), grams)
+    }
+
+    /// Of columns that other models share.
+    pub fn of_columns(
+        hypothesis: Hypothesis,
+        projection: &Projection,
+        columns: &Arc<ShapeColumns>,
+    ) -> Option<Self> {
+        let all: Vec<_> = (0..columns.shapes()).map(|k| columns.whole(k)).collect();
+        Self::seen(hypothesis, Arc::clone(columns), grams(projection, &all))
+    }
+
+    fn seen(hypothesis: Hypothesis, columns: Arc<ShapeColumns>, grams: Vec<Gram>) -> Option<Self> {
+        let is_seen = grams.iter().any(|gram| gram.rank() > 0);
+        is_seen.then(|| Self {
             hypothesis,
-            shapes: Vec::new(),
-            columns: Vec::new(),
-            rows: projection.rows(),
-        };
-        let all: Vec<Vec<Vec<f64>>> = tried.clone().map(|one| columns(one.shape)).collect();
-        let taken = projection.taken_of_all(all.iter().flatten().map(Vec::as_slice));
-        let mut first = 0;
-        for (columns, tried) in all.into_iter().zip(tried) {
-            scan.push(tried, &columns, (&taken, first));
-            first += columns.len();
-        }
-        (!scan.shapes.is_empty()).then_some(scan)
+            parts: vec![Part { columns, grams }],
+        })
     }
 
-    /// Adds one more shape, if the data see it.
-    pub fn add(&mut self, projection: &Projection, shape: f64, columns: &[Vec<f64>]) {
-        let taken = projection.taken_of_all(columns.iter().map(Vec::as_slice));
-        let tried = Tried::new(shape);
-        self.push(tried, columns, (&taken, 0));
-    }
-
-    /// Adds a shape; `taken` is what the base model takes of columns, with the index of the first of this shape.
-    fn push(&mut self, tried: Tried, columns: &[Vec<f64>], taken: (&Taken, usize)) {
-        let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
-        let gram = Gram::new(&gram_matrix_of(columns, taken), &before);
-        if gram.rank() == 0 {
-            return;
-        }
-        let (start, concerned) = (self.columns.len(), concerned(columns));
-        for column in columns {
-            self.columns.extend_from_slice(&column[concerned.clone()]);
-        }
-        self.shapes.push(FixedShape {
-            tried,
-            concerned,
-            columns: start..self.columns.len(),
-            gram,
+    /// Adds one more shape.
+    pub fn add(&mut self, projection: &Projection, shape: f64, columns: Vec<Vec<f64>>) {
+        let grams = grams(projection, std::slice::from_ref(&columns));
+        let columns = ShapeColumns::new([(shape, columns)]);
+        self.parts.push(Part {
+            columns: Arc::new(columns),
+            grams,
         });
     }
+}
 
-    /// The columns of a shape, cut to the rows that it concerns.
-    fn cut(&self, shape: &FixedShape) -> impl Iterator<Item = &[f64]> {
-        self.columns[shape.columns.clone()].chunks_exact(shape.concerned.len())
+/// The Gram matrix of the columns of each shape.
+fn grams(projection: &Projection, all: &[Vec<Vec<f64>>]) -> Vec<Gram> {
+    let taken = projection.taken_of_all(all.iter().flatten().map(Vec::as_slice));
+    let mut first = 0;
+    let of_shape = |columns: &Vec<Vec<f64>>| {
+        let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
+        let gram = Gram::new(&gram_matrix_of(columns, (&taken, first)), &before);
+        first += columns.len();
+        gram
+    };
+    all.iter().map(of_shape).collect()
+}
+
+impl Part {
+    /// The shapes that the data see, by number.
+    fn shapes(&self) -> impl Iterator<Item = (usize, &Gram)> {
+        let grams = self.grams.iter().enumerate();
+        grams.filter(|(_, gram)| gram.rank() > 0)
     }
 }
 
@@ -120,53 +121,53 @@ impl Scan for FixedScan {
 
     fn for_each(&self, residuals: &[f64], f: &mut OfOne<'_>) {
         let mut s = Vec::new();
-        for shape in &self.shapes {
-            s.clear();
-            let residuals = &residuals[shape.concerned.clone()];
-            s.extend(self.cut(shape).map(|column| dot(column, residuals)));
-            f(shape.tried, &shape.gram, &s);
+        for part in &self.parts {
+            for (k, gram) in part.shapes() {
+                s.clear();
+                let residuals = &residuals[part.columns.concerned(k)];
+                let columns = part.columns.cut(k..k + 1).chunks_exact(residuals.len());
+                s.extend(columns.map(|column| dot(column, residuals)));
+                f(part.columns.tried(k), gram, &s);
+            }
         }
     }
 
     fn tests(&self) -> usize {
-        self.shapes.len()
+        self.parts.iter().map(|part| part.shapes().count()).sum()
     }
 
     fn for_each_of(&self, residuals: LaneMatrix<'_>, f: &mut OfSeveral<'_>) {
-        let concern_the_same = |a: &FixedShape, b: &FixedShape| a.concerned == b.concerned;
-        for alike in self.shapes.chunk_by(concern_the_same) {
-            let (Some(first), Some(last)) = (alike.first(), alike.last()) else {
-                continue;
+        for part in &self.parts {
+            let shapes: Vec<(usize, &Gram)> = part.shapes().collect();
+            let are_alike = |(a, _): &(usize, &Gram), (b, _): &(usize, &Gram)| {
+                a + 1 == *b && part.columns.concerned(*a) == part.columns.concerned(*b)
             };
-            let residuals = residuals.part(first.concerned.clone());
-            let columns = &self.columns[first.columns.start..last.columns.end];
-            let (rows, batches) = (residuals.rows(), residuals.columns());
-            let count = columns.len() / rows;
-            let mut s = vec![Lanes::ZERO; count * batches];
-            let columns = SharedMatrix::by_rows(columns, [count, rows]);
-            add_product(&mut s, columns, residuals);
-            let mut rest = &s[..];
-            for shape in alike {
-                let parameters = shape.columns.len() / rows;
-                let (own, others) = rest.split_at(parameters * batches);
-                f(&shape.gram, LaneMatrix::by_rows(own, [parameters, batches]));
-                rest = others;
+            for alike in shapes.chunk_by(are_alike) {
+                let (Some((first, _)), Some((last, _))) = (alike.first(), alike.last()) else {
+                    continue;
+                };
+                let residuals = residuals.part(part.columns.concerned(*first));
+                let columns = part.columns.cut(*first..last + 1);
+                let (rows, batches) = (residuals.rows(), residuals.columns());
+                let mut s = vec![Lanes::ZERO; columns.len() / rows * batches];
+                let columns = SharedMatrix::by_rows(columns, [columns.len() / rows, rows]);
+                add_product(&mut s, columns, residuals);
+                let mut rest = &s[..];
+                for (k, gram) in alike {
+                    let parameters = part.columns.cut(*k..k + 1).len() / rows;
+                    let (own, others) = rest.split_at(parameters * batches);
+                    f(gram, LaneMatrix::by_rows(own, [parameters, batches]));
+                    rest = others;
+                }
             }
         }
     }
 
     fn columns(&self, shape: f64) -> Vec<Vec<f64>> {
-        let distance = |own: &FixedShape| (own.tried.shape - shape).abs();
-        let shapes = self.shapes.iter();
-        let nearest = shapes.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let whole = |shape: &FixedShape| -> Vec<Vec<f64>> {
-            let columns = self.cut(shape).map(|own| {
-                let mut column = vec![0.0; self.rows];
-                column[shape.concerned.clone()].copy_from_slice(own);
-                column
-            });
-            columns.collect()
-        };
-        nearest.map(whole).unwrap_or_default()
+        let all = self.parts.iter();
+        let seen = all.flat_map(|part| part.shapes().map(move |(k, _)| (part, k)));
+        let distance = |(part, k): &(&Part, usize)| (part.columns.tried(*k).shape - shape).abs();
+        let nearest = seen.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.map_or_else(Vec::new, |(part, k)| part.columns.whole(k))
     }
 }

@@ -6,7 +6,7 @@ use trueaxis_kinematics::{ARCSEC, Component, MICROMETRE};
 use trueaxis_leastsquares::dot;
 use trueaxis_selection::Projection;
 
-use crate::engine::Judged;
+use crate::engine::linear::Judged;
 use crate::fitted::{Fitted, Row};
 
 /// The figure for one run: the three displacements or the three rotations of its poses, whichever vary more along the

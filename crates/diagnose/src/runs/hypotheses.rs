@@ -4,10 +4,11 @@ use trueaxis_calibrate::{Replay, RunComparison};
 use trueaxis_effects::{CROSS_COUPLING, Effect, Level, Scene};
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_poses::EffectsOnLengths;
-use trueaxis_selection::{Hypothesis, gram_of};
+use trueaxis_selection::{Hypothesis, ShapeColumns, gram_of};
 
 use crate::NotObservable;
-use crate::engine::{Candidate, Listed, in_words, of_catalogue, plausible, unseen};
+use crate::engine::linear::{Candidate, Listed};
+use crate::engine::{in_words, of_catalogue, plausible, unseen};
 
 /// Change of lengths from which the response of the runs is found, mm: far above rounding, and well within the linear
 /// range.
@@ -51,7 +52,7 @@ pub(super) fn candidates(
             is_free: false,
             finer: None,
             sizes: Vec::new(),
-            columns: vec![columns.collect()],
+            columns: ShapeColumns::new([(0.0, columns.collect())]).into(),
             shapes: vec![0.0],
             plausible,
             hypothesis,
@@ -67,7 +68,8 @@ pub(super) fn not_observable(scene: &Scene, listed: &Listed) -> Option<NotObserv
             effect, subject, ..
         } = candidate.hypothesis;
         let is_pair = effect == CROSS_COUPLING && subject.component.is_none();
-        is_pair && gram_of(&listed.base, &candidate.columns[0]).rank() < candidate.columns[0].len()
+        let columns = candidate.columns.whole(0);
+        is_pair && gram_of(&listed.base, &columns).rank() < columns.len()
     });
     let subjects: Vec<String> = hidden
         .map(|candidate| in_words(&candidate.hypothesis.subject, scene))

@@ -3,7 +3,7 @@
 use trueaxis_selection::{DECISIVE, Projection, Score, cosine, is_rival};
 
 use crate::Rival;
-use crate::engine::{Chosen, Judged, Listed};
+use crate::engine::linear::{Chosen, Judged, Listed};
 
 /// Most causes; more would not be an explanation.
 const MOST_CAUSES: usize = 3;

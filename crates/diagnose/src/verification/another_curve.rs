@@ -7,7 +7,8 @@
 use trueaxis_effects::{Level, Shape};
 use trueaxis_selection::{Fit, Projection};
 
-use crate::engine::{Chosen, Family, Omnibus};
+use crate::engine::linear::Chosen;
+use crate::engine::{Family, Omnibus};
 use crate::verification::base::{indicators, places, times};
 use crate::verification::problem::Problem;
 use crate::verification::report::rms_of_readings_um;

@@ -2,7 +2,8 @@
 
 use trueaxis_selection::Fit;
 
-use crate::engine::{Chosen, Omnibus, is_imitation, still_left};
+use crate::engine::linear::Chosen;
+use crate::engine::{Omnibus, is_imitation, still_left};
 use crate::verification::held_out::gain_of;
 use crate::verification::omnibus::omnibus;
 use crate::verification::problem::Problem;

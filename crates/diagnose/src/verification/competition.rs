@@ -6,7 +6,8 @@
 
 use trueaxis_selection::{DECISIVE, Score};
 
-use crate::engine::{Chosen, FURTHER_LEVEL};
+use crate::engine::FURTHER_LEVEL;
+use crate::engine::linear::{Chosen, drop_superfluous, opposed, refine, search, search_from};
 use crate::verification::believed::{with_gain, without_imitations};
 use crate::verification::described::described;
 use crate::verification::held_out::{gain, held_out};
@@ -15,7 +16,6 @@ use crate::verification::model::{
     Model, evidence, has, have_same, is_coupling, is_left, of_causes, only,
 };
 use crate::verification::problem::Problem;
-use crate::verification::search::{drop_superfluous, opposed, refine, search, search_from};
 use crate::verification::wandering::{FittedProcess, wandering};
 
 /// Most searches until one holds.

@@ -4,10 +4,9 @@ use trueaxis_effects::Shape;
 use trueaxis_leastsquares::dot;
 use trueaxis_selection::combined;
 
-use crate::engine::without;
+use crate::engine::linear::{drop_superfluous, without};
 use crate::verification::model::{Model, only};
 use crate::verification::problem::Problem;
-use crate::verification::search::drop_superfluous;
 use crate::verification::wanderer::Wanderer;
 use crate::verification::wandering::{FittedProcess, wandering};
 

@@ -17,11 +17,11 @@
 use trueaxis_selection::Projection;
 
 use crate::Gain;
-use crate::engine::{Candidate, Chosen, FOLDS, resampled_ratios, without};
+use crate::engine::linear::{Candidate, Chosen, LeftOut, without};
+use crate::engine::{FOLDS, resampled_ratios};
 use crate::verification::arrivals::is_same;
 use crate::verification::base::count;
 use crate::verification::comparison::Comparison;
-use crate::verification::left_out::LeftOut;
 use crate::verification::problem::Problem;
 
 const DRAWS: usize = 2000;

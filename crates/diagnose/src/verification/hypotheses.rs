@@ -9,9 +9,10 @@ use trueaxis_effects::{
 };
 use trueaxis_kinematics::{AxisKind, Component};
 use trueaxis_leastsquares::median;
-use trueaxis_selection::{Hypothesis, middle};
+use trueaxis_selection::{Hypothesis, ShapeColumns, middle};
 
-use crate::engine::{Candidate, Finer, in_equal_ratios, plausible};
+use crate::engine::linear::{Candidate, Finer};
+use crate::engine::{in_equal_ratios, plausible};
 use crate::verification::arrivals::Arrival;
 use crate::verification::comparison::Comparison;
 use crate::verification::lost_motion;
@@ -112,7 +113,7 @@ pub(crate) fn candidates<'a>(
             let has_more = gaps_s.is_some() || is_continuous(effect.shape);
             all.push(Candidate {
                 hypothesis,
-                columns: shapes.iter().map(|&shape| columns(shape)).collect(),
+                columns: ShapeColumns::of_each(&shapes, columns).into(),
                 shapes,
                 plausible: plausible.clone(),
                 is_free: false,
@@ -136,11 +137,12 @@ pub(crate) fn candidates<'a>(
             let columns: Vec<Vec<f64>> = straight.into_iter().chain(more).collect();
             let sizes = lost_motion::sizes(comparison, &columns);
             let columns: Vec<Vec<f64>> = columns.iter().map(|c| whitening.whiten(c)).collect();
-            let first = |k: &usize| columns[..count + k].to_vec();
+            let shapes: Vec<f64> = numbers.iter().map(|k| *k as f64).collect();
+            let first = numbers.iter().map(|k| columns[..count + k].to_vec());
             all.extend((most > 0).then(|| Candidate {
                 hypothesis,
-                columns: numbers.iter().map(first).collect(),
-                shapes: numbers.iter().map(|k| *k as f64).collect(),
+                columns: ShapeColumns::new(shapes.iter().copied().zip(first)).into(),
+                shapes,
                 plausible,
                 is_free: true,
                 sizes,

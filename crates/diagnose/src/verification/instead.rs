@@ -4,7 +4,7 @@
 use trueaxis_effects::{BACKLASH, POSITION_DEPENDENT_BACKLASH};
 use trueaxis_selection::{DECISIVE, Score};
 
-use crate::engine::{Candidate, Chosen, without};
+use crate::engine::linear::{Candidate, Chosen, without};
 use crate::verification::model::{Model, evidence, has, is_coupling, is_left, of_causes};
 use crate::verification::problem::Problem;
 

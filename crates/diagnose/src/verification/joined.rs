@@ -2,7 +2,7 @@
 
 use trueaxis_effects::{Level, Scene};
 
-use crate::engine::Chosen;
+use crate::engine::linear::Chosen;
 use crate::said::Entry;
 use crate::verification::lost_motion::{curve, shown_along};
 use crate::verification::report::rivals;

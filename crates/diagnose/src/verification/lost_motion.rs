@@ -13,7 +13,8 @@ use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::dense::Svd;
 use trueaxis_selection::{Fit, Hypothesis, ln_f_test};
 
-use crate::engine::{Candidate, Chosen, MOST_OF_FREEDOM, SMOOTH_LEVEL, most};
+use crate::engine::linear::{Candidate, Chosen};
+use crate::engine::{MOST_OF_FREEDOM, SMOOTH_LEVEL, most};
 use crate::verification::base::{count, places};
 use crate::verification::comparison::Comparison;
 use crate::verification::problem::Problem;

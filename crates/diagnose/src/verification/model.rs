@@ -3,7 +3,8 @@
 use trueaxis_effects::CROSS_COUPLING;
 use trueaxis_selection::DECISIVE;
 
-use crate::engine::{Chosen, Listed, beside_one_of};
+use crate::engine::beside_one_of;
+use crate::engine::linear::Chosen;
 use crate::verification::omnibus::omnibus;
 use crate::verification::problem::Problem;
 use crate::verification::wandering::FittedProcess;
@@ -62,9 +63,9 @@ pub(crate) fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
         sum += evidence;
         projection = next;
     }
-    let listed = Listed {
-        base: projection,
-        candidates: plain.listed.candidates.clone(),
+    let listed = match model.wandering.is_empty() {
+        true => plain.listed.clone(),
+        false => plain.listed.on(projection),
     };
     let mut names = 2 * model.wandering.len();
     for (k, cause) in model.causes.iter().enumerate() {

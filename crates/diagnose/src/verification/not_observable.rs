@@ -18,11 +18,11 @@ pub(crate) fn not_observable(
     scene: &Scene,
     name: &str,
 ) -> Vec<NotObservable> {
-    let seen = problem.listed.beside(&[]).numbers;
+    let beside = problem.listed.beside(&[]);
     let mut all = Vec::new();
     for (number, candidate) in problem.listed.candidates.iter().enumerate() {
         let (effect, subject) = (candidate.hypothesis.effect, candidate.hypothesis.subject);
-        if seen.contains(&number) {
+        if beside.numbers.contains(&number) {
             all.extend(too_short(problem, scene, name, effect, &subject));
             continue;
         }

@@ -10,17 +10,15 @@
 //!
 //! summed over the series; the prediction errors are `ε_y - ε_x θ`. A shape is chosen anew on the rest of each fold.
 
-use std::borrow::Cow;
-
 use trueaxis_leastsquares::dot;
 use trueaxis_selection::{Gram, add};
 
-use crate::engine::{Chosen, FOLDS};
+use crate::engine::FOLDS;
+use crate::engine::linear::{Chosen, LeftOut};
 use crate::verification::base::count;
 use crate::verification::held_out::{
     BoundedGain, folds, gain_of_blocks, other_shapes, pass_blocks,
 };
-use crate::verification::left_out::LeftOut;
 use crate::verification::series::Series;
 use crate::verification::stack::Stack;
 
@@ -54,7 +52,7 @@ impl Stack<'_> {
         let candidate = &self.listed.candidates[cause.candidate];
         let shapes = std::iter::once(cause.shape).chain(other_shapes(candidate, cause.shape));
         let columns = shapes.map(|shape| candidate.columns(shape));
-        let columns: Vec<Cow<'_, [Vec<f64>]>> = columns.collect();
+        let columns: Vec<Vec<Vec<f64>>> = columns.collect();
         let showing = (0..self.all.len()).filter_map(|number| {
             let own = self.members[cause.candidate][number]?;
             let others = causes[number].iter().filter(|c| c.candidate != own);
@@ -68,12 +66,7 @@ impl Stack<'_> {
     }
 
     /// A series beside other causes.
-    fn beside(
-        &self,
-        number: usize,
-        others: &[Chosen],
-        shapes: &[Cow<'_, [Vec<f64>]>],
-    ) -> Beside<'_> {
+    fn beside(&self, number: usize, others: &[Chosen], shapes: &[Vec<Vec<f64>>]) -> Beside<'_> {
         let series = &self.all[number];
         let problem = &series.model.problem;
         let model = problem
@@ -86,7 +79,7 @@ impl Stack<'_> {
             model.project(&mut left);
             Column { whole, left }
         };
-        let of_shape = |columns: &Cow<'_, [Vec<f64>]>| columns.iter().map(projected).collect();
+        let of_shape = |columns: &Vec<Vec<f64>>| columns.iter().map(projected).collect();
         let scale = problem.whitening.sigma_um / self.scales_um[number];
         let folds = folds(series.plain.comparison).map(|rows| LeftOut::new(&model, rows));
         Beside {

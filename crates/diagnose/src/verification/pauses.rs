@@ -9,7 +9,7 @@ use trueaxis_effects::{BACKLASH, POSITION_DEPENDENT_BACKLASH};
 use trueaxis_selection::Fit;
 
 use crate::Rival;
-use crate::engine::{Chosen, Listed};
+use crate::engine::linear::{Chosen, Listed};
 use crate::verification::base::{count, cycles, indicators};
 use crate::verification::problem::Problem;
 use crate::verification::wanderer::Wanderer;
@@ -49,10 +49,7 @@ pub(crate) fn by_pauses(
     if count(&cycles) < 2 || fit.estimates.len() != straight {
         return None;
     }
-    let paused = Listed {
-        base: listed.base.extended(&offsets(problem, &cycles, wandering)),
-        candidates: listed.candidates.clone(),
-    };
+    let paused = listed.on(listed.base.extended(&offsets(problem, &cycles, wandering)));
     let without_time: Vec<Chosen> = causes
         .iter()
         .filter(|cause| !is_of_time(cause))

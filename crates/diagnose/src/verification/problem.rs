@@ -14,7 +14,8 @@ use trueaxis_effects::Scene;
 use trueaxis_predict::CalibratedMachine;
 use trueaxis_selection::Projection;
 
-use crate::engine::{Chosen, Family, Listed};
+use crate::engine::Family;
+use crate::engine::linear::{Chosen, Listed};
 use crate::verification::autocorrelation::Noise;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
@@ -106,10 +107,7 @@ impl<'a> Problem<'a> {
             whitening,
             hidden,
             least_variance: (resolution_um / sigma_um).powi(2) + hidden,
-            listed: Listed {
-                base,
-                candidates: candidates.into(),
-            },
+            listed: Listed::new(base, candidates.into()),
         }
     }
 
@@ -123,9 +121,9 @@ impl<'a> Problem<'a> {
         Self {
             as_predicted: with(&self.as_predicted),
             wanders: !columns.is_empty(),
-            listed: Listed {
-                base: with(&self.listed.base),
-                candidates: self.listed.candidates.clone(),
+            listed: match columns.is_empty() {
+                true => self.listed.clone(),
+                false => self.listed.on(with(&self.listed.base)),
             },
             families: self.families.clone(),
             ..*self

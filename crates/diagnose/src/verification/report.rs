@@ -3,14 +3,14 @@
 use trueaxis_effects::{Effect, Level, ResolvedEffect, Scene, Subject};
 use trueaxis_selection::{DECISIVE, Fit, Projection, Score, add, combined, cosine, is_rival};
 
-use crate::engine::{Chosen, Judged, Listed, places as places_by, side, without};
+use crate::engine::linear::{Chosen, Judged, Listed, contains, ln_more, without};
+use crate::engine::{places as places_by, side};
 use crate::fitted::{Against, Fitted, Row};
 use crate::verification::arrivals::Arrival;
 use crate::verification::held_out::gain_of;
 use crate::verification::lost_motion::{curve, shown_along};
 use crate::verification::pauses::by_pauses;
 use crate::verification::problem::Problem;
-use crate::verification::search::{contains, ln_more};
 use crate::verification::wandering::{FittedProcess, rival_disturbances};
 use crate::{Cause, Place, Rival};
 

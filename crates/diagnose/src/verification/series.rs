@@ -3,7 +3,8 @@
 use trueaxis_effects::{Level, Scene};
 use trueaxis_selection::{Projection, add};
 
-use crate::engine::{Chosen, Omnibus, without};
+use crate::engine::Omnibus;
+use crate::engine::linear::{Chosen, without};
 use crate::said::Entry;
 use crate::shares::Part;
 use crate::verification::another_curve::another_curve;

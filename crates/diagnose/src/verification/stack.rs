@@ -12,9 +12,9 @@
 use trueaxis_effects::Shape;
 use trueaxis_leastsquares::dot;
 use trueaxis_predict::CalibratedMachine;
-use trueaxis_selection::{Fit, Hypothesis, Projection};
+use trueaxis_selection::{Fit, Hypothesis, Projection, ShapeColumns};
 
-use crate::engine::{Candidate, Chosen, Finer, Listed, without};
+use crate::engine::linear::{Candidate, Chosen, Finer, Listed, without};
 use crate::verification::hypotheses::is_continuous;
 use crate::verification::prediction_error::prediction_directions;
 use crate::verification::problem::Problem;
@@ -83,10 +83,7 @@ impl<'s> Stack<'s> {
             }
         }
         let mut stack = Self {
-            listed: Listed {
-                base,
-                candidates: Vec::new().into(),
-            },
+            listed: Listed::new(base, Vec::new().into()),
             members: Vec::new(),
             scales_um,
             all,
@@ -106,7 +103,7 @@ impl<'s> Stack<'s> {
                 }
             }
         }
-        stack.listed.candidates = candidates.into();
+        stack.listed = Listed::new(stack.listed.base, candidates.into());
         stack
     }
 
@@ -155,7 +152,7 @@ impl<'s> Stack<'s> {
         };
         let candidate = Candidate {
             hypothesis,
-            columns: shapes.iter().map(|&shape| columns(shape)).collect(),
+            columns: ShapeColumns::of_each(&shapes, &columns).into(),
             shapes,
             plausible,
             is_free: false,

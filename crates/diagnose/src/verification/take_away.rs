@@ -6,7 +6,8 @@
 use trueaxis_leastsquares::dot;
 use trueaxis_selection::add;
 
-use crate::engine::{Chosen, are_opposed, does_with};
+use crate::engine::linear::Chosen;
+use crate::engine::{are_opposed, does_with};
 use crate::verification::stack::Stack;
 
 /// Whether the `k`th common cause of the series, and causes of only one of them (`own`, for each series), cancel each

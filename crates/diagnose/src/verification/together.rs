@@ -17,11 +17,12 @@ use trueaxis_selection::{Hypothesis, f_test};
 
 use crate::Cause;
 use crate::cause::SIZES_DIFFER;
-use crate::engine::{Candidate, Chosen, Listed, without};
+use crate::engine::linear::{
+    Candidate, Chosen, Listed, contains, drop_superfluous, search, simplest, without,
+};
 use crate::verification::believed::without_imitations;
 use crate::verification::joined::joint_cause;
 use crate::verification::model::has;
-use crate::verification::search::{contains, drop_superfluous, search, simplest};
 use crate::verification::series::Series;
 use crate::verification::stack::{Stack, is_of_all};
 use crate::verification::take_away::takes_own_away;
@@ -158,7 +159,7 @@ fn other_forms(listed: &Listed, cause: &Chosen) -> Vec<Hypothesis> {
     let with_own = with(&own);
     let is_form = |candidate: &&Candidate<'_>| {
         candidate.shapes.len() == 1 && {
-            let columns = &candidate.columns[0];
+            let columns = &candidate.columns.whole(0);
             contains(&listed.base, &with_own, columns)
                 || contains(&listed.base, &with(columns), &own)
         }

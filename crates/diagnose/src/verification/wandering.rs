@@ -4,7 +4,8 @@ use trueaxis_effects::{CROSS_COUPLING, Layer, POSITION_DEPENDENT_BACKLASH, Shape
 use trueaxis_selection::{ALIKE, DECISIVE, Fit, Hypothesis, Projection, by_evidence, ln_f_test};
 
 use crate::Rival;
-use crate::engine::{Candidate, Chosen, Posterior, SMOOTH_LEVEL, Smooth, without};
+use crate::engine::linear::{Candidate, Chosen, without};
+use crate::engine::{Posterior, SMOOTH_LEVEL, Smooth};
 use crate::extremes::extremes;
 use crate::verification::form::Form;
 use crate::verification::lost_motion::beyond_drives;

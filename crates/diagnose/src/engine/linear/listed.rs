@@ -1,11 +1,12 @@
 //! Hypotheses with whitened columns for a list of shapes: readings and runs, where nothing is adjusted anew.
 //!
 //! The list is so dense that little is lost between its shapes. Where that matters, a better shape between the
-//! neighbours of the best one is sought ([`crate::engine::Finer`]) and joins the list for this model. A period or
+//! neighbours of the best one is sought ([`Finer`](crate::engine::linear::Finer)) and joins the list for this model. A period or
 //! time constant joins the parameters by its derivative ([`Listed::sizes`]): all then include its uncertainty.
 
+use std::collections::VecDeque;
 use std::ops::Range;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use trueaxis_effects::{Level, Scene};
 use trueaxis_selection::{
@@ -13,7 +14,8 @@ use trueaxis_selection::{
 };
 
 use crate::engine::estimated::{ByShape, beside_shape};
-use crate::engine::{Candidate, with_uncertainties};
+use crate::engine::linear::Candidate;
+use crate::engine::with_uncertainties;
 use crate::{Cause, Rival};
 
 /// A hypothesis in the model, at one shape.
@@ -27,11 +29,18 @@ pub(crate) struct Chosen {
 }
 
 /// The data, and the candidates that may explain them.
+#[derive(Clone)]
 pub(crate) struct Listed<'a> {
     /// The base model's projection.
     pub(crate) base: Projection,
     pub(crate) candidates: Arc<[Candidate<'a>]>,
+    /// The latest comparisons.
+    known: Arc<Mutex<Known>>,
 }
+
+/// Comparisons beside causes (candidate and shape of each), the latest last: searches, judgements and evidence ask for
+/// the same ones again.
+type Known = VecDeque<(Vec<(usize, u64)>, Arc<Beside>)>;
 
 /// The other hypotheses beside a model with causes.
 pub(crate) struct Beside {
@@ -53,7 +62,7 @@ pub(crate) struct Judged {
     pub(crate) score: Score,
     /// Its fit.
     pub(crate) fit: Fit,
-    pub(crate) beside: Beside,
+    pub(crate) beside: Arc<Beside>,
 }
 
 /// A cause with its parameters, with all causes in the model.
@@ -67,11 +76,27 @@ pub(crate) struct Sized {
 /// Least statistic of a listed shape, in units of the noise, for which a better shape in between matters.
 const WORTH_REFINING: f64 = 20.0;
 
+/// Comparisons that are kept.
+const KEPT: usize = 16;
+
 /// Accuracy of a shape, as a share of the distance of its neighbours in the list: for comparisons, and in the end.
 const ROUGHLY: f64 = 1e-2;
 const REFINED: f64 = 1e-5;
 
 impl<'a> Listed<'a> {
+    pub(crate) fn new(base: Projection, candidates: Arc<[Candidate<'a>]>) -> Self {
+        Self {
+            base,
+            candidates,
+            known: Arc::default(),
+        }
+    }
+
+    /// The same candidates for another base model.
+    pub(crate) fn on(&self, base: Projection) -> Self {
+        Self::new(base, Arc::clone(&self.candidates))
+    }
+
     pub(crate) fn hypothesis(&self, cause: &Chosen) -> &Hypothesis {
         &self.candidates[cause.candidate].hypothesis
     }
@@ -84,7 +109,7 @@ impl<'a> Listed<'a> {
     /// The columns of a cause.
     pub(crate) fn columns_of(&self, cause: &Chosen) -> Vec<Vec<f64>> {
         let candidate = &self.candidates[cause.candidate];
-        candidate.columns(cause.shape).into_owned()
+        candidate.columns(cause.shape)
     }
 
     /// The columns of causes, one cause after the other.
@@ -102,7 +127,25 @@ impl<'a> Listed<'a> {
     ///
     /// No effect occurs twice on the same subject: a second time constant or period of the same name would fit
     /// anything.
-    pub(crate) fn beside(&self, causes: &[Chosen]) -> Beside {
+    pub(crate) fn beside(&self, causes: &[Chosen]) -> Arc<Beside> {
+        let lock = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = |cause: &Chosen| (cause.candidate, cause.shape.to_bits());
+        let key: Vec<(usize, u64)> = causes.iter().map(key).collect();
+        let take = |known: &mut Known| {
+            let place = known.iter().position(|(own, _)| *own == key)?;
+            known.remove(place)
+        };
+        let earlier = take(&mut lock());
+        let beside = earlier.map_or_else(|| Arc::new(self.compared(causes)), |known| known.1);
+        let mut known = lock();
+        if known.len() == KEPT {
+            known.pop_front();
+        }
+        known.push_back((key, Arc::clone(&beside)));
+        beside
+    }
+
+    fn compared(&self, causes: &[Chosen]) -> Beside {
         let model = self.with(causes);
         let worth = WORTH_REFINING * model.squares() / model.degrees_of_freedom.max(1.0);
         let (mut scans, mut numbers): (Vec<Box<dyn Scan>>, _) = (Vec::new(), Vec::new());
@@ -110,16 +153,14 @@ impl<'a> Listed<'a> {
             if causes.iter().any(|cause| cause.candidate == number) {
                 continue;
             }
-            let columns = |shape: f64| candidate.columns(shape).into_owned();
-            let shapes = &candidate.shapes;
-            let Some(mut scan) = FixedScan::new(candidate.hypothesis, &model, shapes, columns)
-            else {
+            let (hypothesis, columns) = (candidate.hypothesis, &candidate.columns);
+            let Some(mut scan) = FixedScan::of_columns(hypothesis, &model, columns) else {
                 continue;
             };
             let best = best_shape(&model, &scan).filter(|(_, explained, _)| *explained > worth);
             let finer = best.and_then(|(shape, ..)| candidate.refined(&model, shape, ROUGHLY));
             if let Some(shape) = finer {
-                scan.add(&model, shape, &candidate.columns(shape));
+                scan.add(&model, shape, candidate.columns(shape));
             }
             scans.push(Box::new(scan));
             numbers.push(number);
@@ -163,7 +204,7 @@ impl<'a> Listed<'a> {
             let by_shape = candidate.by_shape(values, cause.shape);
             let by_shape = by_shape.and_then(|by_shape| ByShape::new(by_shape, &own));
             let place = columns.len();
-            columns.extend(own.into_owned());
+            columns.extend(own);
             let unit = by_shape.map(|by_shape| {
                 columns.push(by_shape.column);
                 by_shape.unit

@@ -12,9 +12,8 @@
 use trueaxis_effects::Shape;
 use trueaxis_selection::{DECISIVE, Projection, Score, ln_f_test};
 
-use crate::engine::{
-    Beside, Chosen, FURTHER_LEVEL, Listed, SHAPE_ERROR, are_opposed, does_with, without,
-};
+use crate::engine::linear::{Beside, Chosen, Listed, without};
+use crate::engine::{FURTHER_LEVEL, SHAPE_ERROR, are_opposed, does_with};
 
 /// Most causes named: more are no longer an explanation.
 pub(crate) const MOST_CAUSES: usize = 3;

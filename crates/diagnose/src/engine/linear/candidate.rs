@@ -1,10 +1,12 @@
 //! A hypothesis with the whitened columns of a list of shapes, and of shapes between them.
 
-use std::borrow::Cow;
+use std::sync::Arc;
 
 use trueaxis_effects::ResolvedEffect;
 use trueaxis_leastsquares::dot;
-use trueaxis_selection::{Fit, FixedScan, Hypothesis, Projection, Scan, middle, rank};
+use trueaxis_selection::{
+    Fit, FixedScan, Hypothesis, Projection, Scan, ShapeColumns, middle, rank,
+};
 
 use crate::engine::between::{golden_section, neighbours};
 use crate::engine::derivative;
@@ -13,7 +15,7 @@ use crate::engine::derivative;
 pub(crate) struct Candidate<'a> {
     pub(crate) hypothesis: Hypothesis,
     pub(crate) shapes: Vec<f64>,
-    pub(crate) columns: Vec<Vec<Vec<f64>>>,
+    pub(crate) columns: Arc<ShapeColumns>,
     /// The plausible range of each parameter.
     pub(crate) plausible: Vec<Option<[f64; 2]>>,
     /// Whether it has more columns than the effect has parameters: its size is then a free function of position.
@@ -62,13 +64,13 @@ impl Candidate<'_> {
     }
 
     /// The columns for a shape, or for the nearest in the list if there are none between.
-    pub(crate) fn columns(&self, shape: f64) -> Cow<'_, [Vec<f64>]> {
+    pub(crate) fn columns(&self, shape: f64) -> Vec<Vec<f64>> {
         let distance = |k: &usize| (self.shapes[*k] - shape).abs();
         let nearest = (0..self.shapes.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         match (nearest, &self.finer) {
-            (Some(k), Some(finer)) if distance(&k) > 0.0 => Cow::Owned((finer.columns)(shape)),
-            (Some(k), _) => Cow::Borrowed(&self.columns[k]),
-            (None, _) => Cow::Borrowed(&[]),
+            (Some(k), Some(finer)) if distance(&k) > 0.0 => (finer.columns)(shape),
+            (Some(k), _) => self.columns.whole(k),
+            (None, _) => Vec::new(),
         }
     }
 
@@ -104,7 +106,7 @@ impl Candidate<'_> {
         let all = finer.gaps_s.as_ref()?;
         let own = all.iter().position(|gap| middle(gap) >= instant)?;
         let near = own.saturating_sub(finer.nearby)..all.len().min(own + finer.nearby + 1);
-        let columns = |shape: f64| self.columns(shape).into_owned();
+        let columns = |shape: f64| self.columns(shape);
         let scan = FixedScan::of_instants(self.hypothesis, model, &all[near], columns)?;
         let scans: [Box<dyn Scan>; 1] = [Box::new(scan)];
         rank(model, &scans).first().map(|score| score.u_shape)

@@ -1,0 +1,17 @@
+//! Causes in data where nothing is adjusted anew: readings of one verification or of all together, and runs.
+//!
+//! Every hypothesis has whitened columns for a list of shapes ([`candidate`]); [`listed`] compares them with what a
+//! model leaves, and [`search`] chooses causes one after the other. Rows that are left out are predicted by the others
+//! without a further fit ([`left_out`]).
+
+mod candidate;
+mod left_out;
+mod listed;
+mod search;
+
+pub(crate) use candidate::{Candidate, Finer};
+pub(crate) use left_out::LeftOut;
+pub(crate) use listed::{Beside, Chosen, Judged, Listed, without};
+pub(crate) use search::{
+    contains, drop_superfluous, ln_more, opposed, refine, search, search_from, simplest,
+};
