@@ -68,7 +68,7 @@ pub(crate) use omnibus::{
     Family, MOST_OF_FREEDOM, OMNIBUS_LEVEL, Omnibus, family_wise, is_imitation, still_left,
     unexplained, waves_of,
 };
-pub(crate) use opposed::{are_opposed, does_with};
+pub(crate) use opposed::{are_opposed, fitted_effects};
 pub(crate) use places::{places, side};
 pub(crate) use ranking::{Ranking, plausible};
 pub(crate) use search::{FURTHER_LEVEL, SHAPE_ERROR, Search, find_causes, settle};

@@ -34,9 +34,9 @@ pub(crate) enum Form {
     TargetOnStage(fn(&AtReading<'_>) -> f64),
     /// The target moves, mm in the reference frame.
     Displacement(fn(&AtReading<'_>) -> Vector3<f64>),
-    /// The axis goes further by so much of its position, and takes the target with it.
+    /// The axis moves farther than commanded by this share of its position, and takes the target with it.
     Growth(fn(&AtReading<'_>) -> f64),
-    /// Readings are so many seconds late: the axis that moves is further on by its way in that time.
+    /// Readings are late by so many seconds, in which the moving axis travels on.
     Delay(f64),
     /// The axis that moves stands short of its position, by half of so many µm or arcsec, on the side from which it came.
     LostMotion(fn(&AtReading<'_>) -> f64),

@@ -63,7 +63,7 @@ pub use npy::{Array, NpyError, from_npy, to_npy};
 pub use npz::{NpzError, NpzWriter, WriteSeek, from_npz};
 pub use ordered::Ordered;
 pub use place::{Part, Place};
-pub use rounding::{point_mm, push_rounded, round, significant};
+pub use rounding::{decimals, point_mm, push_rounded, round, significant};
 pub use schema::nullable_text;
 pub use sha256::sha256;
 pub use told_effect::told_effect;

@@ -59,6 +59,26 @@ fn push_decimal(text: &mut String, units: i64, mut decimals: u8) {
     text.push_str(str::from_utf8(&digits[first..]).unwrap_or_default());
 }
 
+/// Decimals with which an uncertainty has two significant digits, six at most; one where it is infinite, for it says
+/// nothing then.
+///
+/// ```
+/// use trueaxis_files::decimals;
+///
+/// assert_eq!([123.0, 1.2, 0.12, 3e-9].map(decimals), [0, 1, 2, 6]);
+/// assert_eq!(decimals(f64::INFINITY), 1);
+/// ```
+pub fn decimals(uncertainty: f64) -> usize {
+    if uncertainty.is_infinite() {
+        return 1;
+    }
+    let limits = [9.95, 0.995, 0.0995, 9.95e-3, 9.95e-4, 9.95e-5];
+    limits
+        .iter()
+        .take_while(|limit| uncertainty.abs() < **limit)
+        .count()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,12 +1,12 @@
 //! The diagnosis: how the misfit splits, and each cause with where it acts.
 
 use serde::Serialize;
-use trueaxis_files::{told_behind, told_places, told_span, told_unit};
+use trueaxis_files::{decimals, told_behind, told_places, told_span, told_unit};
 
 use crate::diagnosis::{Cause, CurvePoint, Diagnosis, Fitted, Level, MisfitAt, Parameter};
 use crate::disturbances::DisturbanceView;
 use crate::fitted_figure::fitted_figures;
-use crate::numbers::{COVERAGE, decimals, fixed, rough, signed, with_u};
+use crate::numbers::{COVERAGE, fixed, rough, signed, with_u};
 use crate::page::Figure;
 use crate::svg::Drawing;
 use crate::svg::plot::{COLOURS, Plot};

@@ -1,10 +1,10 @@
 //! The error curves of each axis with their uncertainty, and what they come to.
 
 use serde::Serialize;
-use trueaxis_files::told_behind;
+use trueaxis_files::{decimals, told_behind};
 
 use crate::calibration::{Axis, Calibration, Curve, Kind};
-use crate::numbers::{decimals, expanded, fixed, signed, with_u};
+use crate::numbers::{expanded, fixed, signed, with_u};
 use crate::page::Figure;
 use crate::svg::plot::Plot;
 use crate::svg::ticks::{Ruler, bounds, range};

@@ -2,8 +2,10 @@
 
 use serde::Serialize;
 
+use trueaxis_files::decimals;
+
 use crate::diagnosis::{CurvePoint, Disturbance};
-use crate::numbers::{decimals, fixed, with_u};
+use crate::numbers::{fixed, with_u};
 use crate::page::Figure;
 use crate::svg::plot::Plot;
 use crate::svg::ticks::{Ruler, range};

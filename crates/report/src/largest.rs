@@ -6,9 +6,11 @@
 
 use serde::Serialize;
 
+use trueaxis_files::decimals;
+
 use crate::calibration::{Calibration, Curve, Kind};
 use crate::locations::Measured;
-use crate::numbers::{decimals, expanded, fixed, with_u};
+use crate::numbers::{expanded, fixed, with_u};
 use crate::words;
 
 /// An error with what it does.

@@ -44,5 +44,4 @@ mod verification;
 mod words;
 
 pub use error::Error;
-pub use numbers::decimals;
 pub use report::{Report, report};

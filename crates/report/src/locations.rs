@@ -3,8 +3,10 @@
 use serde::Serialize;
 use serde_json::Value;
 
+use trueaxis_files::decimals;
+
 use crate::calibration::Calibration;
-use crate::numbers::{decimals, expanded, fixed, signed};
+use crate::numbers::{expanded, fixed, signed};
 use crate::words;
 
 /// A location error as people read it.

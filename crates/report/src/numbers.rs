@@ -20,18 +20,6 @@ pub(crate) fn normal_quantile(probability: f64) -> f64 {
     Normal::standard().inverse_cdf(probability)
 }
 
-/// Decimals with which an uncertainty has two significant digits, six at most; one where it is infinite, for it says nothing then.
-pub fn decimals(uncertainty: f64) -> usize {
-    if uncertainty.is_infinite() {
-        return 1;
-    }
-    let limits = [9.95, 0.995, 0.0995, 9.95e-3, 9.95e-4, 9.95e-5];
-    limits
-        .iter()
-        .take_while(|limit| uncertainty.abs() < **limit)
-        .count()
-}
-
 /// With a real minus sign, and no negative zero.
 pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     if value.is_infinite() && value > 0.0 {
@@ -109,7 +97,6 @@ mod tests {
     #[test]
     fn without_degrees_of_freedom_nothing_is_known() {
         assert_eq!(fixed(expanded(0.3, Some(0.0)), 1), "∞");
-        assert_eq!(decimals(f64::INFINITY), 1);
         assert_eq!(fixed(1.23e12, 0), "1e12");
         assert!(expanded(0.3, Some(0.009)) > expanded(0.3, Some(1.0)));
         assert!((expanded(0.3, Some(1.0)) / 0.3 - 12.706).abs() < 1e-3);

@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::numbers::{COVERAGE, decimals, fixed, p_value, signed, with_u};
+use trueaxis_files::decimals;
+
+use crate::numbers::{COVERAGE, fixed, p_value, signed, with_u};
 use crate::page::Figure;
 use crate::svg::plot::Plot;
 use crate::svg::ticks::{Ruler, bounds, range};

@@ -2,8 +2,7 @@
 
 use trueaxis_diagnose::{CurvePoint, EstimatedParameter};
 use trueaxis_effects::{ResolvedEffect, Scene};
-use trueaxis_files::{told_behind, told_effect, told_places, told_span, told_unit};
-use trueaxis_report::decimals;
+use trueaxis_files::{decimals, told_behind, told_effect, told_places, told_span, told_unit};
 
 use crate::summary::COVERAGE;
 

@@ -99,7 +99,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// The shortest period whose sine and cosine the steps distinguish: half a grid distance in frequency from two steps,
 /// where the weaker of the two still has seven tenths of its size.
-pub(crate) fn shortest_told(set: &CurveSet) -> f64 {
+pub(crate) fn shortest_distinguished(set: &CurveSet) -> f64 {
     (measured_most(set) - 0.5 / (FREQUENCIES_PER_TRAVEL * set.travel())).recip()
 }
 

@@ -20,7 +20,7 @@ use trueaxis_selection::{combined, gram_of};
 
 use crate::components::background::Background;
 use crate::components::candidates::{
-    Candidate, is_shortest, most_waves, shortest_told, spacing, waves_apart,
+    Candidate, is_shortest, most_waves, shortest_distinguished, spacing, waves_apart,
 };
 use crate::components::curve_set::CurveSet;
 use crate::components::judgement::ln_sum;
@@ -152,7 +152,9 @@ fn at_zero(
 /// only; `None` if the search has determined the shape.
 fn range_of_shape(set: &CurveSet, kind: Shape, shape: f64) -> Option<[f64; 2]> {
     match kind {
-        Shape::Period if !is_shortest(set, shape) => Some([shortest_told(set), set.travel()]),
+        Shape::Period if !is_shortest(set, shape) => {
+            Some([shortest_distinguished(set), set.travel()])
+        }
         Shape::Waves(_) => waves_apart(set).map(|_| [1.0, most_waves(set).max(shape)]),
         _ => None,
     }

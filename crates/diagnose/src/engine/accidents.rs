@@ -3,7 +3,7 @@
 /// Most lines of a table that are named.
 const NAMED: usize = 6;
 
-/// The share `part` of `count`, and at least one: this many readings may be accidents, more are structure.
+/// How many of `count` readings may be wrong by accident: the share `part`, and at least one.
 pub(crate) fn most(part: f64, count: usize) -> usize {
     #[expect(
         clippy::cast_possible_truncation,
@@ -14,7 +14,7 @@ pub(crate) fn most(part: f64, count: usize) -> usize {
     most.max(1)
 }
 
-/// The first lines of a table, in words: `lines 3, 8 and others`.
+/// The first few of some lines of a table, in words: `lines 3, 8 and others`.
 pub(crate) fn first_lines(lines: impl ExactSizeIterator<Item = usize>) -> String {
     let more = if lines.len() > NAMED {
         " and others"

@@ -8,25 +8,25 @@ use trueaxis_selection::{Fit, Projection, combined, gram_matrix};
 /// Ratio of the squares of one effect to those of all effects together.
 const OPPOSED: f64 = 25.0;
 
-/// Whether the effect of one cause is far larger than that of all causes together, after what a model absorbs. `does`
+/// Whether the effect of one cause is far larger than that of all causes together, after what a model absorbs. `effects`
 /// has the whitened effect of each.
-pub(crate) fn are_opposed(model: &Projection, does: &[Vec<f64>]) -> bool {
-    let matrix = gram_matrix(model, does);
-    let each = (0..does.len()).map(|k| matrix[k * (does.len() + 1)]);
+pub(crate) fn are_opposed(model: &Projection, effects: &[Vec<f64>]) -> bool {
+    let matrix = gram_matrix(model, effects);
+    let each = (0..effects.len()).map(|k| matrix[k * (effects.len() + 1)]);
     let together: f64 = matrix.iter().sum();
     each.fold(0.0, f64::max) > OPPOSED * together
 }
 
 /// The effect of each cause, with all sizes fitted together.
-pub(crate) fn does_with(model: &Projection, of_each: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
+pub(crate) fn fitted_effects(model: &Projection, of_each: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
     let fit = Fit::new(model, &of_each.concat());
     let mut sizes = fit.estimates.as_slice();
-    let does = of_each.iter().map(|columns| {
+    let effects = of_each.iter().map(|columns| {
         let (own, others) = sizes.split_at(columns.len());
         sizes = others;
         combined(model.rows(), columns, own)
     });
-    does.collect()
+    effects.collect()
 }
 
 #[cfg(test)]

@@ -61,8 +61,8 @@ impl Arrival {
     }
 }
 
-/// For each arrival the number of its run of consecutive ones that `are_same`.
-pub(crate) fn numbered_in_a_row(
+/// For each arrival the number of its group: consecutive arrivals of which each two neighbours `are_same`.
+pub(crate) fn groups_in_order(
     arrivals: &[Arrival],
     are_same: impl FnMut(&Arrival, &Arrival) -> bool,
 ) -> Vec<usize> {

@@ -12,7 +12,7 @@ use trueaxis_predict::{
 
 use crate::engine::waves_of;
 use crate::extremes::extremes;
-use crate::verification::arrivals::{Arrival, are_timed, arrivals, is_same, numbered_in_a_row};
+use crate::verification::arrivals::{Arrival, are_timed, arrivals, groups_in_order, is_same};
 use crate::verification::resolution::resolution_um;
 use crate::verification::whitening::lags;
 
@@ -75,7 +75,7 @@ impl<'a> Comparison<'a> {
             let at = |arrival: &Arrival| arrival.positions[axis];
             arrivals.iter().any(|a| !is_same(at(a), at(&arrivals[0])))
         });
-        let passes = numbered_in_a_row(&arrivals, Arrival::is_of_pass);
+        let passes = groups_in_order(&arrivals, Arrival::is_of_pass);
         let timed = are_timed(&verification.readings);
         let taken_out = calibration.map_or(&[][..], |own| &own.effects_taken_out);
         let taken_out = taken_out

@@ -123,7 +123,7 @@ pub(crate) fn candidates<'a>(
                     gaps_s,
                     nearby: GAPS_NEARBY * readings.div_ceil(comparison.arrivals.len().max(1)),
                     shortest: match effect.shape {
-                        Shape::Period => shortest_told(comparison, &subject),
+                        Shape::Period => shortest_distinguished(comparison, &subject),
                         _ => f64::NEG_INFINITY,
                     },
                 }),
@@ -269,7 +269,7 @@ fn periods(comparison: &Comparison<'_>, subject: &Subject) -> Vec<f64> {
 
 /// The shortest period whose sine and cosine the positions distinguish: a step of the wave number longer than two
 /// steps, where the worse one of the two still reaches seven tenths of its size.
-fn shortest_told(comparison: &Comparison<'_>, subject: &Subject) -> f64 {
+fn shortest_distinguished(comparison: &Comparison<'_>, subject: &Subject) -> f64 {
     most_waves(comparison, subject).map_or(f64::NEG_INFINITY, |(range, most)| {
         range / (most - WAVE_STEP) * (1.0 - ROUNDING)
     })

@@ -94,7 +94,7 @@ pub(crate) fn by_pauses(
     })
 }
 
-/// An offset of each cycle, whitened, and where the scale wanders a slope: the first means nothing beside the lines'.
+/// A whitened offset of each cycle but the first, which has that of the line; where the scale wanders a slope, too.
 fn offsets(problem: &Problem<'_>, cycles: &[usize], wandering: &[FittedProcess]) -> Vec<Vec<f64>> {
     let comparison = problem.comparison;
     let mut offsets: Vec<Vec<f64>> = indicators(cycles).into_iter().skip(1).collect();

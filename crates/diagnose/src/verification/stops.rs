@@ -28,7 +28,7 @@ pub(crate) fn slips_within_stops(
     let stops = arrivals.map(|(arrival, cell)| Stop {
         cell,
         readings: readings.by_ref().take(arrival.readings).collect(),
-        is_settled: false,
+        is_excluded: false,
     });
     let mut stops: Vec<Stop> = stops.collect();
     let resolution_um = resolution_um(values_um()).unwrap_or_default();
@@ -49,7 +49,7 @@ pub(crate) fn slips_within_stops(
         }
         found += 1;
         if is_on_its_way(&stops, &slip) {
-            stops[slip.stop].is_settled = true;
+            stops[slip.stop].is_excluded = true;
             continue;
         }
         variance = squares / freedom;
@@ -82,7 +82,7 @@ struct Stop {
     /// Their indices and values, µm.
     readings: Vec<(usize, f64)>,
     /// Whether nothing more is to be tested here: the machine was on its way.
-    is_settled: bool,
+    is_excluded: bool,
 }
 
 impl Stop {
@@ -112,7 +112,7 @@ struct Slip {
 fn largest(stops: &[Stop]) -> Option<Slip> {
     let stops = stops.iter().enumerate();
     let slips = stops
-        .filter(|(_, own)| own.readings.len() > 1 && !own.is_settled)
+        .filter(|(_, own)| own.readings.len() > 1 && !own.is_excluded)
         .flat_map(|(stop, own)| {
             let (redundancy, mean) = (1.0 - 1.0 / own.readings.len() as f64, own.mean());
             let readings = own.readings.iter().enumerate();
@@ -159,7 +159,7 @@ fn is_on_its_way(stops: &[Stop], slip: &Slip) -> bool {
 fn left(stops: &[Stop], without: &Slip, resolution_um: f64) -> (f64, f64) {
     let (mut squares, mut freedom) = (0.0, 0.0);
     let all = stops.iter().enumerate();
-    for (number, stop) in all.filter(|(_, stop)| !stop.is_settled) {
+    for (number, stop) in all.filter(|(_, stop)| !stop.is_excluded) {
         let own = stop.without((without.stop == number).then_some(without.place));
         let mean = own.iter().sum::<f64>() / own.len().max(1) as f64;
         squares += own.iter().map(|value| (value - mean).powi(2)).sum::<f64>();

@@ -7,7 +7,7 @@ use trueaxis_leastsquares::dot;
 use trueaxis_selection::add;
 
 use crate::engine::linear::Chosen;
-use crate::engine::{are_opposed, does_with};
+use crate::engine::{are_opposed, fitted_effects};
 use crate::verification::stack::Stack;
 
 /// Whether the `k`th common cause of the series, and causes of only one of them (`own`, for each series), cancel each
@@ -19,7 +19,7 @@ pub(crate) fn takes_own_away(
     k: usize,
 ) -> bool {
     let of_all = common.iter().map(|cause| stack.listed.columns_of(cause));
-    let of_all = does_with(&stack.listed.base, &of_all.collect::<Vec<_>>());
+    let of_all = fitted_effects(&stack.listed.base, &of_all.collect::<Vec<_>>());
     (0..own.len()).any(|number| {
         let series = &stack.all[number];
         let base = &series.model.problem.listed.base;
@@ -41,7 +41,7 @@ pub(crate) fn takes_own_away(
         let left = base.with_residuals(&left);
         let of_own = own[number].iter();
         let of_own = of_own.map(|cause| series.model.problem.listed.columns_of(cause));
-        let mut does = does_with(&left, &of_own.collect::<Vec<_>>());
+        let mut does = fitted_effects(&left, &of_own.collect::<Vec<_>>());
         does.push(in_series[k].clone());
         are_opposed(base, &does)
     })

@@ -15,7 +15,7 @@ use trueaxis_selection::Hypothesis;
 
 use crate::engine::correlation_lengths;
 use crate::extremes::extremes;
-use crate::verification::arrivals::{Arrival, numbered_in_a_row};
+use crate::verification::arrivals::{Arrival, groups_in_order};
 use crate::verification::base::{count, cycles, places};
 use crate::verification::comparison::Comparison;
 use crate::verification::form::{Form, Functions, Pauses};
@@ -193,7 +193,7 @@ impl Wanderer {
         if !self.is_of_time() || comparison.timed || !has_stops || passes > MOST_PASSES {
             return [0, 0];
         }
-        let cycles = count(&numbered_in_a_row(&comparison.arrivals, is_of_cycle));
+        let cycles = count(&groups_in_order(&comparison.arrivals, is_of_cycle));
         [passes, if cycles < passes { cycles } else { 0 }]
     }
 
@@ -307,7 +307,7 @@ impl Wanderer {
 
 /// For each arrival the index of its pass, and of its cycle among consecutive ones.
 fn parts(comparison: &Comparison<'_>) -> Vec<[usize; 2]> {
-    let cycles = numbered_in_a_row(&comparison.arrivals, is_of_cycle);
+    let cycles = groups_in_order(&comparison.arrivals, is_of_cycle);
     let parts = comparison.passes.iter().zip(cycles);
     parts.map(|(&pass, cycle)| [pass, cycle]).collect()
 }

@@ -13,7 +13,7 @@ use trueaxis_effects::Shape;
 use trueaxis_selection::{DECISIVE, Projection, Score, ln_f_test};
 
 use crate::engine::linear::{Beside, Chosen, Listed, without};
-use crate::engine::{FURTHER_LEVEL, SHAPE_ERROR, are_opposed, does_with};
+use crate::engine::{FURTHER_LEVEL, SHAPE_ERROR, are_opposed, fitted_effects};
 
 /// Most causes named: more are no longer an explanation.
 pub(crate) const MOST_CAUSES: usize = 3;
@@ -108,7 +108,7 @@ fn hidden_pair(listed: &Listed, excluded: &[usize], level: f64) -> Vec<Chosen> {
 /// Whether causes cancel each other.
 pub(crate) fn opposed(listed: &Listed, causes: &[Chosen]) -> bool {
     let of_each = causes.iter().map(|cause| listed.columns_of(cause));
-    let does = does_with(&listed.base, &of_each.collect::<Vec<_>>());
+    let does = fitted_effects(&listed.base, &of_each.collect::<Vec<_>>());
     are_opposed(&listed.base, &does)
 }
 
