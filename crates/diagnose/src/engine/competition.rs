@@ -21,12 +21,9 @@ use crate::engine::wandering::{
     wandering, wandering_of,
 };
 use crate::engine::{
-    Culprit, Culprits, Found, Omnibus, SHAPE_ERROR, Search, Suspect, Wanders, find_causes, scan,
-    scans, settle,
+    Culprit, Culprits, Found, SHAPE_ERROR, Search, Suspect, Wanders, find_causes, scan, scans,
+    settle,
 };
-
-/// Without causes, and with all p-values of the omnibus tests above this, no disturbance would be significant.
-const WORTH_A_LOOK: f64 = 0.05;
 
 /// Causes, and disturbances beside them.
 pub(crate) struct Competed<D: Wanders> {
@@ -42,15 +39,14 @@ pub(crate) struct Candidates<'a> {
     pub(crate) null: &'a Null,
 }
 
-/// The model with the most evidence. `search` has the causes found without disturbances, `before` the tests of a
-/// model without any causes.
+/// The model with the most evidence. `search` has the causes found without disturbances; if there are none and all `is_quiet`, none are
+/// sought.
 pub(crate) fn compete<D: Wanders>(
     base: &D,
-    before: &[Omnibus],
+    is_quiet: bool,
     search: Search<D::Model>,
     candidates: &Candidates<'_>,
 ) -> Result<Competed<D>, Error> {
-    let is_quiet = before.iter().all(|t| t.test.p_value >= WORTH_A_LOOK);
     let of_causes = |search| Competed {
         base: base.clone(),
         search,
@@ -116,7 +112,7 @@ fn beat_each<D: Wanders>(
     Ok(first.all(|(_, own)| charged(base, &plain, &[], std::slice::from_ref(own)) <= of_causes))
 }
 
-/// Adds to causes the disturbances that may have been there instead: of the same thing, with more evidence. A rival
+/// Adds to causes the disturbances that may have been there instead: those with more evidence. A rival
 /// may have [`DECISIVE`] less than a cause, but a disturbance costs as much more. `wandering` is in the model.
 pub(crate) fn add_rival_disturbances<D: Wanders>(
     base: &D,
@@ -125,18 +121,13 @@ pub(crate) fn add_rival_disturbances<D: Wanders>(
     found: &mut [Found],
 ) -> Result<(), Error> {
     let all = base.wanderers();
+    let is_new = |w: &Wanderer| wandering.iter().all(|own| own.disturbance.wanderer != *w);
+    let others: Vec<Wanderer> = all.iter().copied().filter(is_new).collect();
     for (k, found) in found.iter_mut().enumerate() {
-        let culprits = Culprits::of(base, found);
-        let is_known = |w: &Wanderer| wandering.iter().any(|own| own.disturbance.wanderer == *w);
-        let of_same = |w: &&Wanderer| is_of(&culprits, **w) && !is_known(w);
-        let of_same: Vec<Wanderer> = all.iter().filter(of_same).copied().collect();
-        if of_same.is_empty() {
-            continue;
-        }
-        let mut others = D::suspects(adjusted).to_vec();
-        others.remove(k);
-        let without = base.refit_near(adjusted, others)?;
-        let judged = judge_all(base, &without, &of_same, all.len());
+        let mut suspects = D::suspects(adjusted).to_vec();
+        suspects.remove(k);
+        let without = base.refit_near(adjusted, suspects)?;
+        let judged = judge_all(base, &without, &others, all.len());
         for judged in judged.iter().filter(|own| own.evidence > found.evidence) {
             let wanderer = judged.disturbance.wanderer;
             let names = [Some(wanderer), base.twin(wanderer)].into_iter().flatten();

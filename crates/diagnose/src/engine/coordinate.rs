@@ -4,6 +4,8 @@ use nalgebra::{Rotation3, Vector3};
 use trueaxis_effects::{Circumstances, Displaced, Effect, Subject, effect};
 use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, Ideal, MICROMETRE};
 
+use crate::engine::disturbance::Spectrum;
+
 /// One of the quantities that vary, each with a course of its own.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Coordinate {
@@ -24,8 +26,13 @@ impl Coordinate {
         }
     }
 
-    pub(crate) fn is_displacement_of_stage(self) -> bool {
-        matches!(self, Self::Geometry(Motion::Displaced(_), _))
+    /// Its prior width as a multiple of that of the other coordinates.
+    pub(crate) fn prior(self, spectrum: Spectrum) -> f64 {
+        match self {
+            Self::Geometry(Motion::Displaced(_), _) => spectrum.displaced,
+            Self::Geometry(Motion::Turned(_), Law::Constant) => spectrum.turned_at_home,
+            _ => 1.0,
+        }
     }
 }
 

@@ -32,7 +32,8 @@
 //! its geometry. Without targets on the bed the machine with time and all tripods (the frame without its rotations)
 //! with time are the same thing under two names, and both are always given.
 
-use trueaxis_effects::{Layer, Scene, Subject};
+use trueaxis_effects::{BACKLASH, Layer, Scene, Subject};
+use trueaxis_selection::Hypothesis;
 
 use crate::engine::basis::Basis;
 use crate::engine::coordinate::{Coordinate, geometry, parameters, scale};
@@ -91,10 +92,20 @@ pub(crate) struct Spectrum {
     pub(crate) length: f64,
     /// Ratio of the prior widths of displacements and rotations of a stage; 1 for everything else.
     pub(crate) displaced: f64,
+    /// The same of rotations that a stage makes at home, too; 1 for everything else.
+    pub(crate) turned_at_home: f64,
 }
 
-/// Prior ratios for an axis that mostly tilts, one that is also out of square, and one that hardly tilts.
-const DISPLACED: [f64; 3] = [0.5, 2.0, 8.0];
+/// Both for an axis that mostly tilts, one that is also out of square, and one that hardly tilts. It may tilt at home or not: rotations
+/// that it does not make, which all readings would show, cost much evidence.
+const OF_GEOMETRY: [[f64; 2]; 6] = [
+    [0.5, 0.0],
+    [2.0, 0.0],
+    [8.0, 0.0],
+    [0.5, 1.0],
+    [2.0, 1.0],
+    [8.0, 1.0],
+];
 
 /// Time and place of a reading.
 #[derive(Debug, Clone, Copy)]
@@ -149,6 +160,12 @@ impl Wanderer {
     pub(crate) fn is_of_changing_axis(self) -> bool {
         let is_of_axis = matches!(self.who, Who::Axis(_));
         is_of_axis && self.with != With::Sides
+    }
+
+    /// Whether a cause is the mean that its course does not have: the lost motion that changes.
+    pub(crate) fn changes(self, cause: &Hypothesis) -> bool {
+        let is_of_sides = matches!(self.with, With::Sides | With::SidesInTime);
+        is_of_sides && cause.effect == BACKLASH && cause.subject == self.subject()
     }
 
     /// The coordinates that move.
@@ -216,14 +233,18 @@ impl Wanderer {
 
     /// All its priors, equally likely, for courses with this number of stops.
     pub(crate) fn spectra(self, stops: usize) -> Vec<Spectrum> {
-        let displaced: &[f64] = match self.with {
-            With::TimeAndPosition => &DISPLACED,
-            _ => &[1.0],
+        let ratios: &[[f64; 2]] = match self.with {
+            With::TimeAndPosition => &OF_GEOMETRY,
+            _ => &[[1.0; 2]],
         };
         let lengths = correlation_lengths(stops).into_iter();
         let spectra = lengths.flat_map(|length| {
-            let of_one = displaced.iter();
-            of_one.map(move |&displaced| Spectrum { length, displaced })
+            let of_one = ratios.iter();
+            of_one.map(move |&[displaced, turned_at_home]| Spectrum {
+                length,
+                displaced,
+                turned_at_home,
+            })
         });
         spectra.collect()
     }
@@ -238,12 +259,8 @@ impl Wanderer {
         let roots = self.basis().roots_of_spectrum(spectrum.length);
         let coordinates = self.coordinates(scene).into_iter();
         let of_course = coordinates.flat_map(|coordinate| {
-            let times = match coordinate.is_displacement_of_stage() {
-                true => spectrum.displaced,
-                false => 1.0,
-            };
             let roots = roots.iter();
-            roots.map(move |root| times * root)
+            roots.map(move |root| coordinate.prior(spectrum) * root)
         });
         let of_course: Vec<f64> = of_course.collect();
         of_course.repeat(self.courses(all).len())

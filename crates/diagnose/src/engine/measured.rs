@@ -18,10 +18,6 @@ pub(crate) trait Measured: Sync {
     /// Most causes at once: more would be a list of names, not a diagnosis.
     const MOST_CAUSES: usize;
 
-    /// Whether an effect may be sought a second time on the subject of a cause, to show that the cause does not have
-    /// the shape in the catalogue.
-    const LOOKS_TWICE: bool;
-
     fn scene(&self) -> &Scene;
 
     /// What the base model does not absorb.

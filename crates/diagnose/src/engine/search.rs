@@ -54,9 +54,8 @@ pub(crate) fn find_causes<D: Measured>(
             let ranking = Ranking::of(data, D::projection(&search.adjusted), first);
             next(&ranking, null, D::CAUSE_LEVEL)
         } else {
-            let free = free::<D>(all, &suspects);
             next(
-                &Ranking::new(data, &search.adjusted, &free),
+                &Ranking::new(data, &search.adjusted, all),
                 null,
                 D::CAUSE_LEVEL,
             )
@@ -93,12 +92,6 @@ fn next<S: AsRef<[Box<dyn Scan>]>>(
     let leader = ranking.leader(null, level, None)?;
     let comparable = ranking.comparable(leader, WORTH_COMPARING);
     Some((ranking.suspect(leader).0, comparable))
-}
-
-/// The hypotheses to be tried beside causes.
-fn free<D: Measured>(all: &[Hypothesis], suspects: &[Suspect]) -> Vec<Hypothesis> {
-    let is_free = |h: &&Hypothesis| D::LOOKS_TWICE || suspects.iter().all(|s| !s.hypothesis.is(h));
-    all.iter().filter(is_free).copied().collect()
 }
 
 /// A further cause that explains less than this share of what the others explain may be only their shape, which is
@@ -154,10 +147,9 @@ pub(crate) fn settle<D: Measured>(
         for k in 0..suspects.len() {
             let mut others = suspects.clone();
             let own = others.remove(k);
-            let free = free::<D>(candidates, &others);
             // In the noise left without it: a large disturbance hides its own rivals.
             let without = data.refit_near(&adjusted, others)?;
-            let Some(judged) = judged(data, &without, &own, &free, null) else {
+            let Some(judged) = judged(data, &without, &own, candidates, null) else {
                 suspects.remove(k);
                 changed = true;
                 break;

@@ -54,11 +54,16 @@ impl Smooth {
         let along: Vec<f64> = along.collect();
         let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
         let fits = spectra.iter().enumerate().map(|(spectrum, roots)| {
-            let scaled: Vec<f64> = (0..n * n)
-                .map(|ij| matrix[ij] * roots[ij / n] * roots[ij % n])
+            // What has no width would only take time.
+            let kept: Vec<usize> = (0..n).filter(|&k| roots[k] > 0.0).collect();
+            let pairs = kept.iter().flat_map(|i| kept.iter().map(move |k| (*i, *k)));
+            let scaled = pairs.map(|(i, k)| matrix[i * n + k] * roots[i] * roots[k]);
+            let scaled: Vec<f64> = scaled.collect();
+            let before: Vec<f64> = kept
+                .iter()
+                .map(|&k| before[k] * roots[k] * roots[k])
                 .collect();
-            let before: Vec<f64> = before.iter().zip(roots).map(|(b, r)| b * r * r).collect();
-            let s: Vec<f64> = along.iter().zip(roots).map(|(s, r)| s * r).collect();
+            let s: Vec<f64> = kept.iter().map(|&k| along[k] * roots[k]).collect();
             let (variance, ratio) = restricted_likelihood(&scaled, &before, &s, dof);
             (spectrum, variance, ratio)
         });

@@ -92,6 +92,9 @@ const FARTHEST_UM: f64 = 5e3;
 /// A size is settled if it changes by less than this share of itself: the rest of the data hardly depends on it.
 const RESTS: f64 = 0.1;
 
+/// A lost motion that is a cause may change with time or position: only these are tested, since it is known to be there.
+const WAYS_TO_CHANGE: f64 = 2.0;
+
 /// A disturbance with its judgement beside the others.
 #[derive(Debug, Clone)]
 pub(crate) struct JudgedDisturbance {
@@ -275,6 +278,11 @@ fn judge<D: Wanders>(
     {
         return None;
     }
+    let mut causes = D::suspects(adjusted).iter();
+    let tests = match causes.any(|cause| wanderer.changes(&cause.hypothesis)) {
+        true => WAYS_TO_CHANGE,
+        false => family as f64,
+    };
     Some(JudgedDisturbance {
         disturbance: Disturbance {
             wanderer,
@@ -282,7 +290,7 @@ fn judge<D: Wanders>(
             width: smooth.width,
         },
         evidence: smooth.evidence - 2.0 * (wanderer.of_kind(base.scene()) as f64).ln(),
-        p_value: (family as f64 * smooth.p_value).min(1.0),
+        p_value: (tests * smooth.p_value).min(1.0),
         rivals: Vec::new(),
     })
 }

@@ -25,7 +25,6 @@ impl Measured for Base<'_> {
     /// False alarms in one of two hundred clean campaigns.
     const CAUSE_LEVEL: f64 = 0.005;
     const MOST_CAUSES: usize = 6;
-    const LOOKS_TWICE: bool = true;
 
     fn scene(&self) -> &Scene {
         &self.scene

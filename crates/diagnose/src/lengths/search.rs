@@ -78,6 +78,9 @@ pub(crate) struct Looked<'a> {
 /// adjustment, in which no cause is sought.
 const RESOLUTION_UM: f64 = 1e-3;
 
+/// Without causes, and with all p-values of the omnibus tests above this, no disturbance would be significant.
+const WORTH_A_LOOK: f64 = 0.05;
+
 /// Causes of the lengths of a base, found without disturbances.
 struct Searched {
     /// The model without causes.
@@ -164,7 +167,8 @@ impl Searched {
             all: &self.all,
             null: &self.null,
         };
-        let model = compete(base, &before, self.search, &candidates)?;
+        let is_quiet = before.iter().all(|t| t.test.p_value >= WORTH_A_LOOK);
+        let model = compete(base, is_quiet, self.search, &candidates)?;
         Ok(Looked {
             named: named(base, model, plain.network.noise, &before)?,
             plain,

@@ -26,7 +26,6 @@ impl Measured for Base<'_> {
     /// instants by a factor of about two, one of 150 clean campaigns raises an alarm.
     const CAUSE_LEVEL: f64 = 0.002;
     const MOST_CAUSES: usize = 4;
-    const LOOKS_TWICE: bool = false;
 
     fn scene(&self) -> &Scene {
         self.scene

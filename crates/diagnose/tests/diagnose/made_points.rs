@@ -171,7 +171,12 @@ fn moved(hidden: &Hidden, at: &Moment<'_>, p: &Point3<f64>, travel: f64) -> Vect
         }
         // Of no catalogue: an axis that warms up is led otherwise, a drive works loose.
         "warming_axis" if hidden.axis == at.axis => {
-            let x = warm(hidden, at.tau) * at.q / travel;
+            // After a turn a rotary stage is where it was.
+            let part = match travel < 10.0 {
+                true => (0.5 * at.q).sin().powi(2),
+                false => at.q / travel,
+            };
+            let x = warm(hidden, at.tau) * part;
             let turned = hidden.turn.cross(&(p - at.centroid)) * (4.0 * ARCSEC * hidden.size);
             (hidden.vector * 6.0 * um + turned) * x
         }

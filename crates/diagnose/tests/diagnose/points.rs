@@ -4,7 +4,7 @@ use nalgebra::{Rotation3, Vector3};
 use rand_distr::{Distribution, StandardNormal};
 use trueaxis_campaign::Stop;
 use trueaxis_diagnose::{
-    Diagnosis, Rejected, Settings, Verdict, Wandering, diagnose, without_wrong_points,
+    Cause, Diagnosis, Rejected, Rival, Settings, Verdict, Wandering, diagnose, without_wrong_points,
 };
 use trueaxis_effects::{Layer, Level, ResolvedEffect};
 
@@ -56,8 +56,9 @@ impl Count {
                 self.inside[1] += usize::from(parameter.u.is_finite());
             }
         }
+        let may_wander = |c: &Cause| what_may_wander(c).any(|whose| is_of(hidden, whose));
         let explains =
-            |c: &trueaxis_diagnose::Cause| is_it(&c.effect) || c.rival_effects().any(&is_it);
+            |c: &Cause| is_it(&c.effect) || c.rival_effects().any(&is_it) || may_wander(c);
         let of_points = || found.causes.iter().filter(|c| c.share_of_curve.is_none());
         let is_wrong = of_points().any(|c| c.rivals.is_empty() && !is_it(&c.effect));
         match found.verdict {
@@ -560,6 +561,37 @@ fn a_slip_and_lost_motion_are_both_named() {
     assert!(found.levels[0].gain.is_some_and(|gain| gain.is_claimed()));
 }
 
+/// A spindle that warms up within minutes and a bed that does so, the other way, within hours: both have their name, which the frame may
+/// bear, too, and their values within four standard uncertainties (of 16 one is beyond with a probability of 0.1 %).
+#[test]
+fn a_machine_warms_up_with_two_time_constants() {
+    let plan = Plan::THREE_AXES;
+    for seed in [901, 902] {
+        let fast = Hidden::draw("warm_up", 2.0, &plan, &mut generator(seed, 3));
+        let of_time = |at: f64, vector| Hidden {
+            at,
+            vector,
+            ..fast.clone()
+        };
+        let hidden = [of_time(-0.2, fast.vector), of_time(1.0, -fast.vector)];
+        let campaign = made(&plan, &hidden, seed);
+        let mut causes = diagnose(&campaign, &without_curves()).unwrap().causes;
+        assert!(causes.iter().all(|c| c.effect.effect.id == "warm_up"));
+        causes.sort_by(|a, b| a.effect.shape.total_cmp(&b.effect.shape));
+        assert_eq!(causes.len(), 2, "{seed}");
+        let stops = campaign.points.as_ref().unwrap().stops.len();
+        for (cause, hidden) in causes.iter().zip(&hidden) {
+            let time_constant_s = (0.1 + 0.3 * hidden.at) * 20.0 * stops as f64;
+            let growth_um = 6.0 * hidden.size * hidden.vector;
+            let truth = growth_um.iter().chain([&time_constant_s]);
+            for (parameter, truth) in cause.parameters.iter().zip(truth) {
+                let error = (parameter.value - truth).abs();
+                assert!(error < 4.0 * parameter.u, "{seed}: {truth}, {parameter:?}");
+            }
+        }
+    }
+}
+
 /// Poses take a cyclic error whole: it contradicts nothing, and stands in the error curve.
 #[test]
 fn a_cyclic_error_in_points_is_found_in_the_curve() {
@@ -568,7 +600,7 @@ fn a_cyclic_error_in_points_is_found_in_the_curve() {
     let axis = hidden.axis;
     let found = diagnose(&made(&plan, &[hidden], 22), &Settings::default()).unwrap();
     assert_eq!(found.verdict, Verdict::Clean, "{}", counts::summary(&found));
-    let is_it = |c: &&trueaxis_diagnose::Cause| {
+    let is_it = |c: &&Cause| {
         c.level == Level::Components
             && c.effect.effect.id == "cyclic_error"
             && c.effect.subject.axis == Some(axis)
@@ -602,6 +634,31 @@ fn unlike_directions_make_few_alarms() {
     }
 }
 
+/// What may wander instead of a cause.
+fn what_may_wander(cause: &Cause) -> impl Iterator<Item = &Wandering> {
+    cause.rivals.iter().filter_map(|rival| match rival {
+        Rival::Disturbance { whose, .. } => Some(whose),
+        Rival::Effect { .. } => None,
+    })
+}
+
+/// Whether that is what wanders in one that no catalogue has.
+fn is_of(hidden: &Hidden, whose: &Wandering) -> bool {
+    let is_it = match hidden.id {
+        "breathing" => whose.layer == Layer::Setup && whose.subject.target.is_none(),
+        "warming_axis" | "loosening_drive" => whose.subject.axis == Some(hidden.axis),
+        _ => whose.subject.target == Some(hidden.target),
+    };
+    let with: &[&str] = match hidden.id {
+        "breathing" | "swaying_target" => &["time"],
+        "wavy_stage" => &["position"],
+        "warming_axis" => &["time", "position"],
+        "loosening_drive" => &["time", "direction"],
+        _ => return false,
+    };
+    is_it && whose.varies_with == with
+}
+
 /// A hall that breathes (and the frame of the instrument with it), a holder that sways, a stage that is wavy, an axis that warms
 /// up, a drive that works loose: of no catalogue, and what wanders is said. Of a target nothing is seen that goes across the plane of the three, and along the line
 /// to another target it may as well be that one: fewer are found, and fewer with the right target.
@@ -625,21 +682,10 @@ fn what_is_in_no_catalogue_is_not_named() {
                 let campaign = made(&plan, std::slice::from_ref(&hidden), seed);
                 let found = diagnose(&campaign, &without_curves()).unwrap();
                 count.add(&found, &hidden, &plan);
-                let is_it = |w: &Wandering| match id {
-                    "breathing" => w.layer == Layer::Setup && w.subject.target.is_none(),
-                    "warming_axis" | "loosening_drive" => w.subject.axis == Some(hidden.axis),
-                    _ => w.subject.target == Some(hidden.target),
-                };
-                let with: &[&str] = match id {
-                    "wavy_stage" => &["position"],
-                    "warming_axis" => &["time", "position"],
-                    "loosening_drive" => &["time", "direction"],
-                    _ => &["time"],
-                };
-                let is_right = found.disturbances.first().is_some_and(|d| {
-                    let mut all = d.rivals.iter().chain([&d.whose]);
-                    all.any(|w| is_it(w) && w.varies_with == with)
-                });
+                let first = found.disturbances.first().into_iter();
+                let first = first.flat_map(|d| d.rivals.iter().chain([&d.whose]));
+                let rivals = found.causes.iter().flat_map(what_may_wander);
+                let is_right = first.chain(rivals).any(|whose| is_of(&hidden, whose));
                 whose += usize::from(is_right);
                 let gain = found.levels[0].gain;
                 gained += usize::from(gain.is_some_and(|gain| gain.is_claimed()));
@@ -649,10 +695,18 @@ fn what_is_in_no_catalogue_is_not_named() {
                 plan.is_rotary
             );
             report(&line);
-            // The mean of what is lost is a lost motion.
-            let is_told = count.unknown >= 17 || id == "loosening_drive";
-            assert!(count.wrong <= 1 && is_told, "{line}");
-            let least = if id == "wavy_stage" { 13 } else { 17 };
+            // The mean of what is lost is a lost motion. Of an axis that is measured for a tenth of the time, and again soon, little is seen:
+            // of the 20 campaigns from 900 on an observer who knows noise, form and size tells 15 from all else.
+            let least = match id {
+                "wavy_stage" => 13,
+                "warming_axis" if !plan.is_rotary => 13,
+                _ => 17,
+            };
+            let told = count.unknown + count.right();
+            assert!(
+                count.wrong <= 1 && (told >= 17 || id == "warming_axis"),
+                "{line}"
+            );
             assert!(whose >= least, "{line}");
         }
     }
