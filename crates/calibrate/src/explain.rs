@@ -30,14 +30,12 @@ pub(crate) fn refused(error: &Error) -> Refused {
 
 pub(crate) fn trial(campaign: &Campaign, calibration: Calibration) -> Trial {
     let elsewhere = targets_elsewhere(campaign, &calibration.targets);
+    let mut axes = calibration.axes.iter();
+    let is_plausible = elsewhere.is_empty() && axes.all(|axis| absurd_errors(axis).is_empty());
     Trial {
         adjustment: calibration.adjustment.clone(),
         off_nominal: off_nominal(campaign, &calibration),
-        is_plausible: elsewhere.is_empty()
-            && calibration
-                .axes
-                .iter()
-                .all(|axis| absurd_errors(axis).is_empty()),
+        is_plausible,
         lengths_mm: Box::new(move |campaign, target, stops| {
             lengths_mm(&calibration, campaign, target, stops)
         }),

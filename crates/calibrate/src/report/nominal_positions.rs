@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_campaign::Campaign;
-use trueaxis_kinematics::{Axis, AxisKind};
+use trueaxis_kinematics::AxisKind;
 
 use crate::result::calibration::{AxisResult, TargetResult};
 
@@ -11,28 +11,21 @@ const ELSEWHERE_MM: f64 = 10.0;
 
 /// The notice about linear axes that never reach home, to which their results refer.
 pub(crate) fn homes_out_of_reach(campaign: &Campaign, measured: &[AxisResult]) -> Option<String> {
-    let axes = measured
+    let (mut travels, mut point) = (Vec::new(), Vector3::zeros());
+    for axis in measured
         .iter()
-        .map(|own| &campaign.machine.axes()[own.axis]);
-    let away = axes.filter_map(|axis| {
+        .map(|own| &campaign.machine.axes()[own.axis])
+    {
         let [low, high] = axis.travel();
-        let linear = axis.kind() == AxisKind::Linear;
-        (linear && (low > 0.0 || high < 0.0)).then_some((axis, if low > 0.0 { low } else { high }))
-    });
-    let away: Vec<(&Axis, f64)> = away.collect();
-    if away.is_empty() {
+        if axis.kind() == AxisKind::Linear && (low > 0.0 || high < 0.0) {
+            travels.push(format!("{} ({low} to {high} mm)", axis.name()));
+            // The point that is at the origin of the frame when the axes are nearest to home.
+            point -= axis.direction().into_inner() * if low > 0.0 { low } else { high };
+        }
+    }
+    if travels.is_empty() {
         return None;
     }
-    let travels = away.iter().map(|(axis, _)| {
-        let [low, high] = axis.travel();
-        format!("{} ({low} to {high} mm)", axis.name())
-    });
-    let travels: Vec<String> = travels.collect();
-    // The point that is at the origin of the frame when the axes are nearest to home.
-    let point = away
-        .iter()
-        .map(|(axis, nearest)| -axis.direction().into_inner() * *nearest);
-    let point: Vector3<f64> = point.sum();
     Some(format!(
         "the travel of {} does not contain 0, which is home: the errors are zero at the position nearest to it, and \
          the point that translations and squareness belong to is never where it is said to be; --reference-point \

@@ -24,10 +24,8 @@ pub(crate) fn notices(
     mirror_image_open: bool,
 ) -> Vec<String> {
     let axes = &calibration.axes;
-    let mut notices: Vec<String> = axes
-        .iter()
-        .filter_map(|axis| differing_sides(campaign, axis))
-        .collect();
+    let differing = |axis| differing_sides(campaign, axis);
+    let mut notices: Vec<String> = axes.iter().filter_map(differing).collect();
     notices.extend(axes.iter().filter_map(contradicting_runs));
     notices.extend(unmeasured_axes(campaign, axes));
     notices.extend(axes.iter().filter_map(without_straightness));

@@ -24,8 +24,7 @@ pub(crate) fn statement(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Un
 
 /// All parts that concern the campaign, in the order in which they are stated.
 fn parts(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Vec<Part> {
-    let noise = Ok("noise and geometry".to_owned());
-    let mut parts = vec![noise];
+    let mut parts: Vec<Part> = vec![Ok("noise and geometry".to_owned())];
     // A single reflector has no differences.
     let several = measured.reflectors().len() > 1;
     parts.extend(several.then(|| Ok("reflectors".to_owned())));
@@ -149,18 +148,13 @@ fn temperatures(campaign: &Campaign) -> Option<Part> {
 
 fn scale(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Part {
     let declared = campaign.instrument.scale_sigma_ppm.is_some();
-    match (measured.scale().map(|scale| scale.basis), &measured.lengths) {
-        (Some(ScaleBasis::Declared), _) => Ok("scale of the instrument".to_owned()),
-        (Some(ScaleBasis::KnownLengths | ScaleBasis::Both), _) => {
-            Ok("scale by known lengths".to_owned())
-        }
-        (None, None) if declared => Ok("scale of the instrument".to_owned()),
-        (None, Some(_)) => Err(
-            "scale of the instrument: neither `scale_sigma_ppm` nor `known_lengths` is declared"
-                .to_owned(),
-        ),
-        (None, None) => {
-            Err("scale of the instrument: `scale_sigma_ppm` is not declared".to_owned())
-        }
-    }
+    let part = match (measured.scale().map(|scale| scale.basis), &measured.lengths) {
+        (Some(ScaleBasis::Declared), _) => Ok("scale of the instrument"),
+        (Some(ScaleBasis::KnownLengths | ScaleBasis::Both), _) => Ok("scale by known lengths"),
+        (None, None) if declared => Ok("scale of the instrument"),
+        (None, Some(_)) => Err("neither `scale_sigma_ppm` nor `known_lengths` is declared"),
+        (None, None) => Err("`scale_sigma_ppm` is not declared"),
+    };
+    let lacking = |why| format!("scale of the instrument: {why}");
+    part.map(str::to_owned).map_err(lacking)
 }

@@ -60,11 +60,8 @@ impl Calibration {
         for station in &mut self.stations {
             let position = station.u_mm.iter_mut().zip(&mut station.dof);
             all.extend(position.map(|(u, dof)| (u, dof, None)));
-            all.push((
-                &mut station.u_dead_path_mm,
-                &mut station.dof_dead_path,
-                None,
-            ));
+            let (u, dof) = (&mut station.u_dead_path_mm, &mut station.dof_dead_path);
+            all.push((u, dof, None));
         }
         all
     }

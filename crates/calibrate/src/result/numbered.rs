@@ -48,18 +48,14 @@ pub(crate) fn results<'a>(
         let values = node.error.to_vector();
         Component::ALL.into_iter().map(move |component| {
             let c = component.index();
-            NumberedResult {
-                output: Output::ComponentError {
-                    axis: axis.name.clone(),
-                    kind: axis.kind,
-                    component,
-                    position: node.position,
-                    direction: node.direction,
-                },
-                value: values[c],
-                u: node.u[c],
-                dof: node.dof[c],
-            }
+            let output = Output::ComponentError {
+                axis: axis.name.clone(),
+                kind: axis.kind,
+                component,
+                position: node.position,
+                direction: node.direction,
+            };
+            numbered(output, [values[c], node.u[c], node.dof[c]])
         })
     };
     let of_nodes = move |axis: &'a AxisResult| {
@@ -68,36 +64,35 @@ pub(crate) fn results<'a>(
     };
     let of_locations = |axis: &'a AxisResult| {
         let locations = axis.location_errors.iter();
-        locations.map(move |location| NumberedResult {
-            output: Output::LocationError {
-                axis: axis.name.clone(),
-                component: location.component,
-            },
-            value: location.value,
-            u: location.u,
-            dof: location.dof,
+        locations.map(move |location| {
+            let (axis, component) = (axis.name.clone(), location.component);
+            let output = Output::LocationError { axis, component };
+            numbered(output, [location.value, location.u, location.dof])
         })
     };
     let of_station = |s: &'a StationResult| {
-        let position = (0..3).map(move |coordinate| NumberedResult {
-            output: Output::StationPosition {
+        let position = (0..3).map(move |coordinate| {
+            let output = Output::StationPosition {
                 station: s.name.clone(),
                 coordinate,
-            },
-            value: s.position_mm[coordinate],
-            u: s.u_mm[coordinate],
-            dof: s.dof[coordinate],
+            };
+            let position_mm = s.position_mm[coordinate];
+            numbered(output, [position_mm, s.u_mm[coordinate], s.dof[coordinate]])
         });
-        position.chain([NumberedResult {
-            output: Output::DeadPath {
-                station: s.name.clone(),
-            },
-            value: s.dead_path_mm,
-            u: s.u_dead_path_mm,
-            dof: s.dof_dead_path,
-        }])
+        let station = s.name.clone();
+        let of_dead_path = [s.dead_path_mm, s.u_dead_path_mm, s.dof_dead_path];
+        position.chain([numbered(Output::DeadPath { station }, of_dead_path)])
     };
     let of_axes = axes.iter().flat_map(of_nodes);
     let of_axes = of_axes.chain(axes.iter().flat_map(of_locations));
     of_axes.chain(stations.iter().flat_map(of_station))
+}
+
+fn numbered(output: Output, [value, u, dof]: [f64; 3]) -> NumberedResult {
+    NumberedResult {
+        output,
+        value,
+        u,
+        dof,
+    }
 }
