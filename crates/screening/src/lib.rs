@@ -49,6 +49,7 @@ mod screen;
 mod screened;
 mod search;
 mod step_tests;
+mod turns;
 mod uneven;
 
 pub use alike::{Alike, alike};
@@ -61,4 +62,5 @@ pub use guard::{MOST_OF_A_PART, MOST_REMOVED, is_concentrated};
 pub use reflector_set::{USUAL_DIFFERENCE_MM, adjust_as_a_set, solve_as_a_set};
 pub use screen::{screen, screen_within};
 pub use screened::{Jump, Removed, Screened, WanderingZero};
+pub use turns::{Turns, turns};
 pub use uneven::{Scatter, Uneven, uneven, uneven_axes, uneven_lengths, weigh_uneven};

@@ -307,8 +307,20 @@ pub fn uneven_axes(
             axis_of_group[visit.group] == Some(axis) && visit.readings.len() > 1
         });
         let own: Vec<usize> = own.map(|(number, _)| number).collect();
-        let squares = changes(network, &own, |visit| vec![tests.visits[visit]]);
-        Scatter::of(squares, own.len())
+        let group = |visit: usize| network.visits[visit].group;
+        // Lost motion changes along the axis, and jumps where it turns back: there a step follows itself.
+        let sweeps = own.windows(3).filter(|three| {
+            let [a, b, c] = [three[0], three[1], three[2]].map(group);
+            a != b && b != c && a != c
+        });
+        let squares: Vec<f64> = sweeps
+            .map(|three| {
+                let [a, b, c] = [three[0], three[1], three[2]].map(|visit| tests.visits[visit]);
+                (b - 0.5 * (a + c)).powi(2)
+            })
+            .collect();
+        let count = squares.len();
+        Scatter::of(squares, count)
     };
     let scatters: Vec<Option<Scatter>> = (0..axes).map(of_axis).collect();
     if !is_known && uneven(&scatters).is_empty() {

@@ -3,16 +3,16 @@
 use nalgebra::{DVector, Matrix6, Point3};
 use rayon::prelude::*;
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_kinematics::{ARCSEC, Axis, MICROMETRE, centroid};
+use trueaxis_kinematics::{MICROMETRE, centroid};
 use trueaxis_multilateration::{BlockNoise, Network, Solution, Station};
 use trueaxis_screening::{
-    Alike, Screened, adjust_as_a_set, alike, scaled, screen_within, solve_as_a_set, uneven_lengths,
+    Alike, Screened, adjust_as_a_set, alike, scaled, screen_within, solve_as_a_set,
 };
 
 use crate::Error;
 use crate::lengths::network::{CampaignNetwork, Group, network_from_campaign};
 use crate::lengths::refused::{adjustment_error, contradictory, screening_error};
-use crate::lengths::returns::{AxisReturn, Returns};
+use crate::lengths::returns::Returns;
 use crate::lengths::scale::{Scale, ScaleResult, at_scale};
 use crate::lengths::shared_sources::SharedSources;
 use crate::lengths::side_by_side::side_by_side;
@@ -46,9 +46,6 @@ pub struct LengthsAdjustment<'a> {
 
 /// A residual this many times its noise in the mean is no noise: something in the data is wrong.
 const CONTRADICTORY_SIGMA0: f64 = 100.0;
-
-/// Ratio of the variances of two stations from which on U is wrong by much.
-const TWICE: f64 = 2.0;
 
 /// Groups that one thread takes at a time.
 const PIECE: usize = 32;
@@ -110,49 +107,6 @@ impl<'a> LengthsAdjustment<'a> {
         adjustment.widen()?;
         adjustment.take_known(bodies)?;
         Ok((adjustment, notices))
-    }
-
-    /// Axes that miss their steps by another angle at each visit, or by more than others.
-    fn returns(&self, ratios: &[AxisReturn]) -> Vec<String> {
-        let axes = || self.campaign.machine.axes().iter().zip(ratios);
-        let turning = axes().filter(|(_, own)| own.angle > 0.0);
-        let repeatability_mm = self.screened.network.noise.repeatability_mm;
-        let said = turning.map(|(axis, own)| {
-            format!(
-                "axis {}: it stops turned by another angle each time, {:.1}″ (standard deviation) beyond what the repeatability of a coordinate \
-                 explains: U contains it; see whether its worm or its clamping is worn",
-                axis.name(),
-                own.angle * repeatability_mm / ARCSEC
-            )
-        });
-        let uneven = axes().any(|(_, own)| own.variance.total_cmp(&1.0).is_ne()).then(|| {
-            let size = |(axis, own): (&Axis, &AxisReturn)| {
-                format!("{} {:.1}", axis.name(), own.variance.sqrt() * repeatability_mm / MICROMETRE)
-            };
-            format!(
-                "the axes return to their steps unequally well, {} µm (standard deviation of a coordinate): U of each contains its own",
-                axes().map(size).collect::<Vec<_>>().join(", ")
-            )
-        });
-        said.chain(uneven).collect()
-    }
-
-    /// Lengths that scatter more than the others.
-    fn uneven(&self) -> Vec<String> {
-        let uneven = uneven_lengths(&self.screened.network, &self.screened.solution);
-        let plainly = uneven.iter().filter(|own| own.ratio > TWICE);
-        let said = plainly.map(|own| {
-            let stations = own.stations.iter();
-            let stations = stations.map(|&j| self.campaign.stations[j].name.as_str());
-            format!(
-                "station {}: {} lengths scatter {:.1} times as much as the others, but all weigh alike: U is too small for what \
-                 hangs on them; see whether the tripod stood firmly, and measure them again",
-                stations.collect::<Vec<_>>().join(", "),
-                if own.are_whole { "its" } else { "many" },
-                own.ratio.sqrt()
-            )
-        });
-        said.collect()
     }
 
     /// Refuses an adjustment that cannot be trusted. Contradictions come first: they make the stations look

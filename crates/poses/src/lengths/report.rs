@@ -1,15 +1,19 @@
 //! What the residuals of adjusted lengths say about the measurement and its noise.
 
-use trueaxis_kinematics::MICROMETRE;
+use trueaxis_kinematics::{ARCSEC, Axis, MICROMETRE};
 use trueaxis_leastsquares::chi_squared_upper_tail;
-use trueaxis_screening::{Jump, NoiseBasis, PartEstimate, WanderingZero};
+use trueaxis_screening::{Jump, NoiseBasis, PartEstimate, WanderingZero, uneven_lengths};
 
 use crate::lengths::LengthsAdjustment;
+use crate::lengths::returns::AxisReturn;
 use crate::report::{
     AdjustmentReport, InterruptedOccupation, NoiseReport, PartReport, RejectedLength,
     approached_from_both_sides, p_in_words,
 };
 use crate::words::{length_in_words, stop_of};
+
+/// Ratio of the variances of two stations from which on U is wrong by much.
+const TWICE: f64 = 2.0;
 
 impl LengthsAdjustment<'_> {
     /// The report of the adjusted lengths.
@@ -136,6 +140,49 @@ impl LengthsAdjustment<'_> {
                  interruption, and nothing was cut; `trueaxis diagnose` says what wanders and calibrates without it",
                 name(zero),
                 rms_um(zero)
+            )
+        });
+        said.collect()
+    }
+
+    /// Axes that miss their steps by another angle at each visit, or by more than others.
+    pub(crate) fn returns(&self, ratios: &[AxisReturn]) -> Vec<String> {
+        let axes = || self.campaign.machine.axes().iter().zip(ratios);
+        let turning = axes().filter(|(_, own)| own.angle > 0.0);
+        let repeatability_mm = self.screened.network.noise.repeatability_mm;
+        let said = turning.map(|(axis, own)| {
+            format!(
+                "axis {}: it stops turned by another angle each time, {:.1}″ (standard deviation) beyond what the repeatability of a coordinate \
+                 explains: U contains it; see whether its worm or its clamping is worn",
+                axis.name(),
+                own.angle * repeatability_mm / ARCSEC
+            )
+        });
+        let uneven = axes().any(|(_, own)| own.variance.total_cmp(&1.0).is_ne()).then(|| {
+            let size = |(axis, own): (&Axis, &AxisReturn)| {
+                format!("{} {:.1}", axis.name(), own.variance.sqrt() * repeatability_mm / MICROMETRE)
+            };
+            format!(
+                "the axes return to their steps unequally well, {} µm (standard deviation of a coordinate): U of each contains its own",
+                axes().map(size).collect::<Vec<_>>().join(", ")
+            )
+        });
+        said.chain(uneven).collect()
+    }
+
+    /// Lengths that scatter more than the others.
+    pub(crate) fn uneven(&self) -> Vec<String> {
+        let uneven = uneven_lengths(&self.screened.network, &self.screened.solution);
+        let plainly = uneven.iter().filter(|own| own.ratio > TWICE);
+        let said = plainly.map(|own| {
+            let stations = own.stations.iter();
+            let stations = stations.map(|&j| self.campaign.stations[j].name.as_str());
+            format!(
+                "station {}: {} lengths scatter {:.1} times as much as the others, but all weigh alike: U is too small for what \
+                 hangs on them; see whether the tripod stood firmly, and measure them again",
+                stations.collect::<Vec<_>>().join(", "),
+                if own.are_whole { "its" } else { "many" },
+                own.ratio.sqrt()
             )
         });
         said.collect()

@@ -5,5 +5,6 @@
 mod bodies;
 mod gross_errors;
 mod noise_components;
+mod sweeps;
 #[path = "../../../multilateration/tests/multilateration/world.rs"]
 mod world;

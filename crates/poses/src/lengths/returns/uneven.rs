@@ -1,0 +1,52 @@
+//! Axes that return unequally well: where the visits of one plainly scatter more ([`uneven_axes`]), each has a repeatability of its
+//! own, found where they all scatter alike.
+
+use trueaxis_screening::{Error, Screened, uneven_axes};
+
+use super::{AxisReturn, Found, PLAIN, Returns, STEPS, wrong};
+use crate::settings::Settings;
+
+/// A repeatability is settled if its variance is right to this.
+const RIGHT: f64 = 0.02;
+
+impl Returns<'_> {
+    /// How the axes return where one plainly does so worse than the others.
+    pub(super) fn uneven(
+        &self,
+        settings: &Settings,
+        mut ratios: Vec<AxisReturn>,
+        together: Result<&Screened, &Error>,
+    ) -> Option<Found> {
+        let (mut found, limit) = self.start(together)?;
+        let mut is_known = false;
+        self.settle(settings, &mut found, &mut ratios, |found, ratios| {
+            let mut adjusted = match is_known {
+                true => self.again(ratios, found)?,
+                false => found.clone(),
+            };
+            for _ in 0..STEPS {
+                let (network, solution) = (&adjusted.network, &adjusted.solution);
+                let axes = (ratios.len(), self.axes.as_slice());
+                let scatters = uneven_axes(network, solution, axes, is_known)?;
+                is_known = true;
+                let settled = scatters.iter().all(|ratio| (ratio - 1.0).abs() < RIGHT);
+                // The repeatability of the network is their root mean square.
+                let of_axis = |axis: usize| ratios[axis].variance * scatters[axis];
+                let measured = (0..ratios.len()).filter(|axis| self.axes.contains(&Some(*axis)));
+                let measured: Vec<f64> = measured.map(of_axis).collect();
+                let mean = measured.iter().sum::<f64>() / measured.len() as f64;
+                for (own, ratio) in ratios.iter_mut().zip(&scatters) {
+                    own.variance *= ratio / mean;
+                }
+                adjusted = self.again(ratios, found)?;
+                if self.improve(&adjusted, ratios, PLAIN) {
+                    adjusted = self.again(ratios, found)?;
+                } else if settled {
+                    break;
+                }
+            }
+            Some(adjusted)
+        })?;
+        (wrong(&found) <= limit).then(|| (ratios, found.into_owned()))
+    }
+}

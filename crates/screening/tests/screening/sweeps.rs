@@ -1,0 +1,66 @@
+//! What changes along a sweep: lost motion is no scatter.
+
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use trueaxis_multilateration::{Network, solve};
+use trueaxis_screening::uneven_axes;
+
+use crate::gross_errors::NOISE;
+use crate::world::*;
+
+const REPEATS: usize = 4;
+
+/// Four sweeps over all steps, there and back; what stands still at a step is displaced by this in a sweep, mm.
+fn displaced(seed: u64, by_mm: impl Fn(usize, usize, usize) -> Vector3<f64>) -> Network {
+    let truth = truth(50.0);
+    let mut network = network(&truth, truth.points.clone(), REPEATS, NOISE);
+    let groups = network.groups.len();
+    for (number, visit) in network.visits.iter_mut().enumerate() {
+        if number / groups % 2 == 1 {
+            visit.group = groups - 1 - visit.group;
+        }
+    }
+    add_noise(&mut network, &truth, &mut ChaCha8Rng::seed_from_u64(seed));
+    for (number, visit) in network.visits.iter().enumerate() {
+        let sweep = number / groups;
+        for reading in &mut network.readings[visit.readings.clone()] {
+            let place = truth.points[3 * visit.group + reading.point];
+            let beam = (place - truth.stations[visit.station].0).normalize();
+            reading.length_mm += beam.dot(&by_mm(visit.group, sweep, reading.point));
+        }
+    }
+    tied(&network)
+}
+
+/// Nine steps along each axis.
+const STEPS: usize = 9;
+
+/// Lost motion of 0 at one end of an axis and of 16 µm at the other, from both sides in turn.
+fn worn(group: usize, sweep: usize, _point: usize) -> Vector3<f64> {
+    let side = if sweep % 2 == 1 { -1e-3 } else { 1e-3 };
+    let along = if group < STEPS { group as f64 } else { 0.0 };
+    Vector3::new(side * along, 0.0, 0.0)
+}
+
+/// How much more such an axis moves from step to step was taken for a repeatability that is worse than that of the others.
+#[test]
+fn lost_motion_that_changes_along_an_axis_is_no_scatter() {
+    let axes: Vec<Option<usize>> = (0..3 * STEPS).map(|group| Some(group / STEPS)).collect();
+    let told = |network: &Network| {
+        let solution = solve(network).unwrap();
+        uneven_axes(network, &solution, (3, &axes), false)
+    };
+    for seed in 1..4 {
+        assert_eq!(told(&displaced(seed, worn)), None, "seed {seed}");
+        let scatters = |group: usize, sweep: usize, _: usize| {
+            let wave = |k: f64| 4e-3 * (k * (group * 97 + sweep * 31) as f64).sin();
+            match group < STEPS {
+                true => Vector3::new(wave(1.3), wave(2.1), wave(2.9)),
+                false => Vector3::zeros(),
+            }
+        };
+        let ratios = told(&displaced(seed, scatters)).unwrap();
+        assert!(ratios[0] > 2.0 * ratios[1], "seed {seed}: {ratios:?}");
+    }
+}
