@@ -51,6 +51,7 @@ mod search;
 mod step_tests;
 mod turns;
 mod uneven;
+mod unnoticed;
 
 pub use alike::{Alike, alike};
 pub use error::{Error, Part};
@@ -64,3 +65,4 @@ pub use screen::{screen, screen_within};
 pub use screened::{Jump, Removed, Screened, WanderingZero};
 pub use turns::{Turns, turns};
 pub use uneven::{Scatter, Uneven, uneven, uneven_axes, uneven_lengths, weigh_uneven};
+pub use unnoticed::Unnoticed;

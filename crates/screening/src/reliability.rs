@@ -21,8 +21,12 @@ impl Screened {
     /// Smallest error of a reading that screening finds with a probability of 80 %, in standard deviations of its
     /// estimate ([`ReadingTest::sigma_mm`](trueaxis_multilateration::ReadingTest::sigma_mm)).
     pub fn minimal_detectable(&self) -> f64 {
-        // z_p is the root of the chi-squared quantile of 2p - 1 with one degree of freedom.
-        let power = chi_squared_quantile(2.0 * POWER - 1.0, 1.0).sqrt();
-        reading_limit(self.network.readings.len()) + power
+        with_power(reading_limit(self.network.readings.len()))
     }
+}
+
+/// The limit of a test with the power of a minimal detectable error.
+pub(crate) fn with_power(limit: f64) -> f64 {
+    // z_p is the root of the chi-squared quantile of 2p - 1 with one degree of freedom.
+    limit + chi_squared_quantile(2.0 * POWER - 1.0, 1.0).sqrt()
 }

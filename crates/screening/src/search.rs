@@ -53,6 +53,11 @@ pub(crate) fn reading_limit(readings: usize) -> f64 {
     critical(READINGS_LEVEL, readings, f64::INFINITY)
 }
 
+/// The limit of |w| of a step in a zero.
+pub(crate) fn step_limit(readings: usize) -> f64 {
+    critical(splits::STEPS_LEVEL, readings, f64::INFINITY)
+}
+
 /// The limit of |w| at which all tests together have the level `level`; `degrees_of_freedom` are those of the spread.
 fn critical(level: f64, tests: usize, degrees_of_freedom: f64) -> f64 {
     student_two_sided(level / tests.max(1) as f64, degrees_of_freedom)

@@ -10,10 +10,13 @@ use crate::report::{
     AdjustmentReport, InterruptedOccupation, NoiseReport, PartReport, RejectedLength,
     approached_from_both_sides, p_in_words,
 };
-use crate::words::{length_in_words, stop_of};
+use crate::words::{length_in_words, step_in_words, stop_of};
 
 /// Ratio of the variances of two stations from which on U is wrong by much.
 const TWICE: f64 = 2.0;
+
+/// Standard uncertainties by which a result may be wrong unnoticed without a word.
+const HARMFUL: f64 = 3.0;
 
 impl LengthsAdjustment<'_> {
     /// The report of the adjusted lengths.
@@ -86,6 +89,7 @@ impl LengthsAdjustment<'_> {
         }
         notices.extend(self.alike());
         notices.extend(self.wandering_zeros());
+        notices.extend(self.unnoticed_jump());
         let changed = !screened.removed.is_empty() || !screened.jumps.is_empty();
         if both_sides && changed && !report.is_contradicted() {
             notices.push(
@@ -143,6 +147,23 @@ impl LengthsAdjustment<'_> {
             )
         });
         said.collect()
+    }
+
+    /// The jump of a zero that does most harm without being found, where it does much.
+    fn unnoticed_jump(&self) -> Option<String> {
+        let worst = self
+            .screened
+            .unnoticed_jump()
+            .filter(|worst| worst.in_u > HARMFUL)?;
+        Some(format!(
+            "most stops were read once from each station: if the zero of station {} jumps in mid-campaign (the beam is interrupted, the tripod \
+             moves), less than {:.1} µm are not found, and change results by up to {:.0} u ({}), which U does not contain; read \
+             each run there and back",
+            self.campaign.stations[worst.station].name,
+            worst.jump_mm / MICROMETRE,
+            worst.in_u,
+            step_in_words(self.campaign, self.groups[worst.group].step)
+        ))
     }
 
     /// Axes that miss their steps by another angle at each visit, or by more than others.

@@ -10,7 +10,7 @@ use crate::screened::{Jump, WanderingZero};
 use crate::step_tests::{StepTest, largest_steps};
 
 /// Probability that any occupation of a network without interruptions is split.
-const STEPS_LEVEL: f64 = 1e-3;
+pub(super) const STEPS_LEVEL: f64 = 1e-3;
 
 /// A step with fewer readings before or after it cannot be distinguished from gross errors.
 const LEAST_STEP: usize = 4;

@@ -6,5 +6,6 @@ mod bodies;
 mod gross_errors;
 mod noise_components;
 mod sweeps;
+mod unnoticed;
 #[path = "../../../multilateration/tests/multilateration/world.rs"]
 mod world;
