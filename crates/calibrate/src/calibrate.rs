@@ -72,8 +72,7 @@ pub(crate) fn calibrate_in_parts<'a>(
         settings.covariance = false;
         settings.poses.robust = robust;
         settings.poses.most_removed = MOST_ACCIDENTS;
-        let calibrated = calibrate_as_given(campaign, &settings);
-        let calibrated = calibrated.map_err(|error| refused(&error));
+        let calibrated = calibrate_as_given(campaign, &settings).map_err(|e| refused(&e));
         calibrated.map(|(calibration, _)| trial(campaign, calibration))
     };
     let mistakes = Mistakes {
@@ -128,6 +127,11 @@ pub(crate) fn calibrate_as_given<'a>(
         propagation.add_to_location(k, &scatter);
     }
 
+    let lengths = measured.lengths.as_ref();
+    if let Some(slow) = lengths.and_then(|lengths| lengths.slow) {
+        propagation.widen_locations(slow.ratio);
+    }
+
     // Report.
     let axes = axis_results(&measured, &propagation, runs);
     let stations = station_results(campaign, stations, &propagation);
@@ -176,7 +180,6 @@ pub(crate) fn calibrate_as_given<'a>(
             inputs: Vec::new(),
         },
     };
-    let lengths = measured.lengths.as_ref();
     let mirror_image_open = lengths.is_some_and(|l| l.screened.solution.mirror_image_open);
     let more = notices(campaign, &calibration, mirror_image_open);
     calibration.notices.extend(more);

@@ -79,16 +79,26 @@ fn differences(network: &Network, solution: &Solution, repeats: &[&Visit]) -> Op
         |visit: &&Visit| DVector::from_column_slice(&solution.residuals_mm[visit.readings.clone()]);
     let all: Vec<DVector<f64>> = repeats.iter().map(residuals).collect();
     let mean = all.iter().sum::<DVector<f64>>() / all.len() as f64;
-    let station_mm = solution.stations[repeats[0].station].position_mm;
-    let points = points(network, repeats[0]).into_iter();
+    let factor = noise_of(network, solution, repeats[0]).cholesky()?;
+    let of_one = |v: &DVector<f64>| {
+        let difference = v - &mean;
+        difference.dot(&factor.solve(&difference))
+    };
+    Some(all.iter().map(of_one).sum())
+}
+
+/// Covariance of the lengths of a visit, mm².
+pub(crate) fn noise_of(network: &Network, solution: &Solution, visit: &Visit) -> DMatrix<f64> {
+    let station_mm = solution.stations[visit.station].position_mm;
+    let points = points(network, visit).into_iter();
     let places: Vec<Point3<f64>> = points.map(|p| solution.points_mm[p]).collect();
     let beams: Vec<Vector3<f64>> = places.iter().map(|place| place - station_mm).collect();
-    let own = network.returns.as_ref().map(|all| all[repeats[0].group]);
+    let own = network.returns.as_ref().map(|all| all[visit.group]);
     let lever = |place: &Point3<f64>| own.map_or(0.0, |own| own.lever_mm(station_mm, *place));
     let levers: Vec<f64> = places.iter().map(lever).collect();
     let returns = network.noise.repeatability_mm.powi(2);
-    let on_bed = network.bed == Some(repeats[0].group);
-    let covariance = DMatrix::from_fn(mean.len(), mean.len(), |i, k| {
+    let on_bed = network.bed == Some(visit.group);
+    DMatrix::from_fn(beams.len(), beams.len(), |i, k| {
         let together = match on_bed {
             true => 0.0,
             false => {
@@ -100,11 +110,5 @@ fn differences(network: &Network, solution: &Solution, repeats: &[&Visit]) -> Op
         };
         let own = network.noise.length_sigma_at_mm(beams[i].norm()).powi(2);
         together + if i == k { own } else { 0.0 }
-    });
-    let factor = covariance.cholesky()?;
-    let of_one = |v: &DVector<f64>| {
-        let difference = v - &mean;
-        difference.dot(&factor.solve(&difference))
-    };
-    Some(all.iter().map(of_one).sum())
+    })
 }

@@ -34,6 +34,7 @@ mod report;
 mod round_trip;
 mod settled;
 mod settling;
+mod slipped_target;
 mod temperatures;
 mod triangle;
 mod twins;

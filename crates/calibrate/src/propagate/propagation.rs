@@ -81,6 +81,27 @@ impl<'a: 'i, 'i> Propagation<'a, 'i> {
         self.whole.sources.scatter.extend(of_sources);
     }
 
+    /// Gives the location parameters of all axes together so many times the covariance that they have.
+    pub(crate) fn widen_locations(&mut self, ratio: f64) {
+        let (sources, noise) = (&self.dependence.sources, &self.whole.sources);
+        let all = &noise.own + &noise.shared * &self.whole.poses.shared * noise.shared.transpose();
+        let mut own = DVector::zeros(sources.count);
+        let gauges = &self.dependence.parts().1.gauges;
+        for (first, gauge) in sources.location.iter().zip(gauges) {
+            own.rows_mut(*first, gauge.location_parameters).fill(1.0);
+        }
+        let parts = all
+            .component_mul(&(&own * own.transpose()))
+            .symmetric_eigen();
+        let parts = parts
+            .eigenvalues
+            .iter()
+            .zip(parts.eigenvectors.column_iter());
+        let parts = parts.filter(|(value, _)| **value > 0.0);
+        let errors = parts.map(|(value, part)| part * ((ratio - 1.0) * value).sqrt());
+        self.whole.sources.scatter.extend(errors);
+    }
+
     /// Uncertainties of the component errors of axis `k`: δ and ε for each node.
     pub(crate) fn components(&self, k: usize) -> Vec<[Uncertainty; 6]> {
         let [whole, instrument] = [&self.whole, &self.instrument].map(|noise| noise.components(k));

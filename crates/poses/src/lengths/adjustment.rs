@@ -1,12 +1,14 @@
 //! Lengths to poses or to points, with errors in the words of the campaign.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{DVector, Matrix6, Point3};
 use rayon::prelude::*;
-use trueaxis_campaign::{Campaign, Lengths};
+use trueaxis_campaign::{Campaign, Direction, Lengths};
 use trueaxis_kinematics::{MICROMETRE, centroid};
 use trueaxis_multilateration::{BlockNoise, Network, Solution, Station};
 use trueaxis_screening::{
-    Alike, Screened, adjust_as_a_set, alike, scaled, screen_within, solve_as_a_set,
+    Alike, Screened, Slow, adjust_as_a_set, alike, scaled, screen_within, slow, solve_as_a_set,
 };
 
 use crate::Error;
@@ -42,6 +44,8 @@ pub struct LengthsAdjustment<'a> {
     /// What the repeats of stops have alike beyond the model, by the factor of which the noise of `screened` is larger
     /// than its estimates.
     pub(crate) alike: Option<Alike>,
+    /// How far the misfits of neighbouring steps are alike.
+    pub slow: Option<Slow>,
 }
 
 /// A residual this many times its noise in the mean is no noise: something in the data is wrong.
@@ -100,6 +104,7 @@ impl<'a> LengthsAdjustment<'a> {
             scale: None,
             known_misfits: Vec::new(),
             alike: None,
+            slow: None,
         };
         let mut notices = adjustment.check(!ratios.is_empty())?;
         notices.extend(adjustment.returns(&ratios));
@@ -141,7 +146,11 @@ impl<'a> LengthsAdjustment<'a> {
     /// for a diagnosis, which asks what it is.
     fn widen(&mut self) -> Result<(), Error> {
         let (network, solution) = (&self.screened.network, &self.screened.solution);
-        self.alike = alike(network, solution).filter(|_| !self.settings.asks_why);
+        if self.settings.asks_why {
+            return Ok(());
+        }
+        self.alike = alike(network, solution);
+        self.slow = slow(network, solution, &self.runs());
         if let Some(alike) = &self.alike {
             let noise = scaled(network.noise, alike.factor, alike.factor);
             self.screened = self.solved_again(Network {
@@ -164,6 +173,20 @@ impl<'a> LengthsAdjustment<'a> {
     pub(crate) fn moved(&self) -> Vec<usize> {
         let groups = 0..self.groups.len();
         groups.filter(|&g| self.groups[g].moved).collect()
+    }
+
+    /// The groups of each body in a run and on a side of approach, in the order in which they were first read.
+    fn runs(&self) -> Vec<Vec<usize>> {
+        let mut runs: BTreeMap<_, Vec<usize>> = BTreeMap::new();
+        for g in self.moved() {
+            let group = &self.groups[g];
+            let step = &self.campaign.steps[group.step];
+            let side = group.direction.map(Direction::sign);
+            runs.entry((step.run, side, group.body))
+                .or_default()
+                .push(g);
+        }
+        runs.into_values().collect()
     }
 
     /// The poses of the stages under test in an adjustment with rigid stages.

@@ -88,6 +88,7 @@ impl LengthsAdjustment<'_> {
             );
         }
         notices.extend(self.alike());
+        notices.extend(self.slow());
         notices.extend(self.wandering_zeros());
         notices.extend(self.unnoticed_jump());
         let changed = !screened.removed.is_empty() || !screened.jumps.is_empty();
@@ -120,6 +121,19 @@ impl LengthsAdjustment<'_> {
                 alike.ratio,
                 p_in_words(alike.p_value),
                 alike.factor
+            )
+        })
+    }
+
+    /// What the steps of a run have alike.
+    fn slow(&self) -> Option<String> {
+        self.slow.as_ref().map(|slow| {
+            format!(
+                "what the model leaves of the lengths changes slowly from step to step (correlation {:.2}; {}): something drifts, slipped, or the air \
+                 stirs; U of squareness and of where axes are is {:.1} times that of independent errors; `trueaxis diagnose` looks for it",
+                slow.correlation,
+                p_in_words(slow.p_value),
+                slow.ratio.sqrt()
             )
         })
     }

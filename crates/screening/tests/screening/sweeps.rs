@@ -1,10 +1,10 @@
-//! What changes along a sweep: lost motion is no scatter.
+//! What changes along a sweep: lost motion is no scatter, and what slips or drifts is no noise.
 
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use trueaxis_multilateration::{Network, solve};
-use trueaxis_screening::uneven_axes;
+use trueaxis_screening::{slow, uneven_axes};
 
 use crate::gross_errors::NOISE;
 use crate::world::*;
@@ -62,5 +62,27 @@ fn lost_motion_that_changes_along_an_axis_is_no_scatter() {
         };
         let ratios = told(&displaced(seed, scatters)).unwrap();
         assert!(ratios[0] > 2.0 * ratios[1], "seed {seed}: {ratios:?}");
+    }
+}
+
+/// A target that slipped by 8 µm between two stations leaves misfits that are alike from step to step: a sum over the steps of a run
+/// scatters more than one of noise, and than one of lost motion, which repeats.
+#[test]
+fn what_slipped_is_alike_from_step_to_step() {
+    let runs: Vec<Vec<usize>> = (0..3)
+        .map(|axis| (STEPS * axis..STEPS * (axis + 1)).collect())
+        .collect();
+    let told = |network: &Network| slow(network, &solve(network).unwrap(), &runs);
+    for seed in 1..4 {
+        let slips = |_: usize, sweep: usize, point: usize| match point == 1 && sweep >= 2 * REPEATS
+        {
+            true => Vector3::new(5e-3, -4e-3, 5e-3),
+            false => Vector3::zeros(),
+        };
+        let slipped = told(&displaced(seed, slips)).unwrap();
+        assert!(slipped.correlation > 0.3, "seed {seed}: {slipped:?}");
+        assert!(slipped.ratio > 2.0, "seed {seed}: {slipped:?}");
+        assert_eq!(told(&displaced(seed, |_, _, _| Vector3::zeros())), None);
+        assert_eq!(told(&displaced(seed, worn)), None, "seed {seed}");
     }
 }

@@ -1,0 +1,121 @@
+//! Misfits that change slowly from step to step.
+//!
+//! What drifts, slips or lies in air that stirs makes the errors of neighbouring steps alike, so that the mean of n of them is less certain
+//! than that of n independent ones. At each step the whitened residuals of a station are averaged over its visits, both sides of approach and
+//! all repeats: lost motion, of which a pose takes the mean of both sides, is not in these means, and noise makes each
+//! independent of the others. With these means, x, times the root of the number of visits, over the stations, runs and targets
+//!
+//! ```text
+//! ρ = Σ x_i x_i+1 / Σ x_i²     z = ρ √N ~ N(0, 1) without correlation     Λ = Σ_runs (Σ x_i)² / Σ x_i²
+//! ```
+//!
+//! for N pairs of neighbours. What the adjustment takes from the residuals makes z and Λ rather smaller. Results that hang on all steps of a
+//! run in the same sense, as squareness does, have Λ times the variance that independent errors give them; those of a
+//! single step do not.
+
+use std::collections::HashMap;
+
+use nalgebra::DVector;
+use trueaxis_leastsquares::chi_squared_upper_tail;
+use trueaxis_multilateration::{Network, Solution};
+
+use crate::alike::noise_of;
+use crate::estimate_noise::TOO_GOOD;
+
+/// Probability at which steps are said to be alike: less than one clean campaign in a thousand.
+const LEVEL: f64 = 1e-3;
+
+/// How far the misfits of the steps of a run are alike.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slow {
+    /// Correlation of neighbouring steps.
+    pub correlation: f64,
+    /// Probability of as much from noise.
+    pub p_value: f64,
+    /// Λ for a whole run.
+    pub ratio: f64,
+}
+
+/// How far the misfits of steps are alike, if it is more than chance makes them; `runs` are groups in the order of their steps.
+pub fn slow(network: &Network, solution: &Solution, runs: &[Vec<usize>]) -> Option<Slow> {
+    let means = means(network, solution)?;
+    let (mut squares, mut count, mut of_sums) = (0.0, 0.0, 0.0);
+    let (mut of_neighbours, mut pairs) = (0.0, 0.0);
+    let of_stations =
+        (0..network.stations.len()).flat_map(|j| runs.iter().map(move |run| (j, run)));
+    for (station, run) in of_stations {
+        let mut steps = run.iter().filter_map(|group| means.get(&(station, *group)));
+        let Some(first) = steps.next() else {
+            continue;
+        };
+        let mut sum = first.of_visit();
+        squares += sum.norm_squared();
+        count += sum.len() as f64;
+        let mut before = sum.clone();
+        // A step whose targets are others is none of the row.
+        for x in steps
+            .filter(|step| step.targets == first.targets)
+            .map(Mean::of_visit)
+        {
+            squares += x.norm_squared();
+            count += x.len() as f64;
+            of_neighbours += before.dot(&x);
+            pairs += x.len() as f64;
+            sum += &x;
+            before = x;
+        }
+        of_sums += sum.norm_squared();
+    }
+    let variance = squares / count;
+    let correlation = of_neighbours / pairs / variance;
+    // Lengths that were calculated have residuals of rounding.
+    if correlation <= 0.0 || variance < TOO_GOOD * TOO_GOOD {
+        return None;
+    }
+    let p_value = 0.5 * chi_squared_upper_tail(correlation.powi(2) * pairs, 1.0);
+    let ratio = of_sums / squares;
+    (p_value < LEVEL && ratio > 1.0).then_some(Slow {
+        correlation,
+        p_value,
+        ratio,
+    })
+}
+
+/// What a station's visits to a group have in the mean.
+struct Mean {
+    /// The points of the group that were read.
+    targets: Vec<usize>,
+    /// Sum of the whitened residuals over the visits, and their number.
+    sum: DVector<f64>,
+    visits: f64,
+}
+
+impl Mean {
+    /// With the variance of a single visit.
+    fn of_visit(&self) -> DVector<f64> {
+        &self.sum / self.visits.sqrt()
+    }
+}
+
+/// The means for each station and group; visits that read other points than the first are left out.
+fn means(network: &Network, solution: &Solution) -> Option<HashMap<(usize, usize), Mean>> {
+    let mut means: HashMap<(usize, usize), Mean> = HashMap::new();
+    for visit in network.visits.iter().filter(|v| !v.readings.is_empty()) {
+        let readings = network.readings[visit.readings.clone()].iter();
+        let targets: Vec<usize> = readings.map(|reading| reading.point).collect();
+        let factor = noise_of(network, solution, visit).cholesky()?.unpack();
+        let residuals = DVector::from_column_slice(&solution.residuals_mm[visit.readings.clone()]);
+        let whitened = factor.solve_lower_triangular(&residuals)?;
+        let mean = means.entry((visit.station, visit.group));
+        let mean = mean.or_insert_with(|| Mean {
+            sum: DVector::zeros(targets.len()),
+            targets: targets.clone(),
+            visits: 0.0,
+        });
+        if mean.targets == targets {
+            mean.sum += whitened;
+            mean.visits += 1.0;
+        }
+    }
+    Some(means)
+}
