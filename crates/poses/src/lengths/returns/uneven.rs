@@ -9,6 +9,9 @@ use crate::settings::Settings;
 /// A repeatability is settled if its variance is right to this.
 const RIGHT: f64 = 0.02;
 
+/// No axis misses its steps by more, mm (standard deviation): lengths are wrong.
+const MOST_MM: f64 = 0.1;
+
 impl Returns<'_> {
     /// How the axes return where one plainly does so worse than the others.
     pub(super) fn uneven(
@@ -26,6 +29,9 @@ impl Returns<'_> {
             };
             for _ in 0..STEPS {
                 let (network, solution) = (&adjusted.network, &adjusted.solution);
+                if network.noise.repeatability_mm > MOST_MM {
+                    return None;
+                }
                 let axes = (ratios.len(), self.axes.as_slice());
                 let scatters = uneven_axes(network, solution, axes, is_known)?;
                 is_known = true;
