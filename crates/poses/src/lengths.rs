@@ -6,6 +6,7 @@ mod circumstances;
 mod common_value;
 mod effects;
 mod known;
+mod measured;
 mod network;
 mod reflectors;
 mod refused;
