@@ -1,11 +1,10 @@
 //! Competition of causes and disturbances.
 //!
-//! Two models are built. One finds causes first, then disturbances beside them, then causes again with the
-//! disturbances in the covariance; the other begins with disturbances. These and disturbances alone are compared in
-//! the same noise by their whole evidence. A form that can be anything is less credible than one in the catalogue,
-//! and every further name costs: a cause [`DECISIVE`], odds of 20 to 1, and a disturbance twice that. So a drift is a
-//! drift even if a disturbance might explain it, and three stacked causes do not beat one disturbance. Where causes
-//! leave nothing to disturbances, only a single disturbance with more evidence can replace them.
+//! Two models are built. One finds causes first, then disturbances beside them, then causes again with the disturbances in the
+//! covariance; the other begins with disturbances. These and disturbances alone are compared in the same noise by their whole evidence. A
+//! form that can be anything is less credible than one in the catalogue, and every further name costs: a cause [`DECISIVE`], odds of 20
+//! to 1, and a disturbance twice that. So a drift is a drift even if a disturbance might explain it, and three stacked causes do not beat
+//! one disturbance. Where causes leave nothing to disturbances, only a single disturbance with more evidence can replace them.
 //!
 //! A cause in time that leaves a tenth of what it explains to a disturbance of the same thing does not describe the
 //! motion of that thing, and is not named ([`is_of`]). Nor is one whose statistic is less than a twentieth of the
@@ -138,8 +137,7 @@ pub(crate) fn add_rival_disturbances<D: Wanders>(
     Ok(())
 }
 
-/// A cause is only part of a disturbance if this share of what it explains is left to a disturbance of the same
-/// thing.
+/// A cause is only part of a disturbance if this share of what it explains is left to a disturbance of the same thing.
 const PART: f64 = 0.1;
 
 /// The model without causes that do not describe the motion of what they blame.

@@ -202,8 +202,7 @@ impl Wanderer {
         }
     }
 
-    /// The course (occupation, axis) to which a reading belongs, and its argument, 0 to 1; `None` if it does not
-    /// concern the reading.
+    /// The course (occupation, axis) to which a reading belongs, and its argument, 0 to 1; `None` if it does not concern the reading.
     fn place(self, here: &Here) -> Option<(usize, f64)> {
         let is_concerned = match self.who {
             Who::Machine | Who::Tripods | Who::Frame | Who::Air => true,

@@ -1,8 +1,7 @@
 //! Whether anything at all is left in the residuals, and what it varies with.
 //!
-//! Each test adds smooth functions of a quantity to the model, projects them like the residuals, and applies the F
-//! test to what they explain: its null distribution is exact for normal noise. Several tests share their level
-//! (Bonferroni).
+//! Each test adds smooth functions of a quantity to the model, projects them like the residuals, and applies the F test to what they
+//! explain: its null distribution is exact for normal noise. Several tests share their level (Bonferroni).
 
 use std::collections::BTreeSet;
 

@@ -38,8 +38,7 @@ impl<M> Search<M> {
 /// whatever the noise: rivals explain at least half.
 const WORTH_COMPARING: f64 = 0.25;
 
-/// Finds the causes of what `start`, a model without causes, leaves. `first` are the scans of `all` hypotheses for
-/// that model.
+/// Finds the causes of what `start`, a model without causes, leaves. `first` are the scans of `all` hypotheses for that model.
 pub(crate) fn find_causes<D: Measured>(
     data: &D,
     start: D::Model,
@@ -200,8 +199,7 @@ fn add_exchanged(found: &mut [Found], others: &[Suspect], more: f64) {
     }
 }
 
-/// The best explanation of what a model without one of its causes leaves, with its rivals; `None` if noise explains
-/// it.
+/// The best explanation of what a model without one of its causes leaves, with its rivals; `None` if noise explains it.
 fn judged<D: Measured>(
     data: &D,
     without: &D::Model,

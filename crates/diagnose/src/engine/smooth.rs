@@ -1,8 +1,7 @@
 //! How much of what a model leaves a smooth process of unknown form explains.
 //!
-//! Its standard deviation maximises the restricted likelihood; its evidence is flat over the correlation lengths. Its
-//! p-value is that of the restricted likelihood ratio at the border `w = 0`, `½ P(χ²₁ > LR)`, which is conservative
-//! (Crainiceanu and Ruppert 2004).
+//! Its standard deviation maximises the restricted likelihood; its evidence is flat over the correlation lengths. Its p-value is that of
+//! the restricted likelihood ratio at the border `w = 0`, `½ P(χ²₁ > LR)`, which is conservative (Crainiceanu and Ruppert 2004).
 
 use trueaxis_leastsquares::{chi_squared_upper_tail, dot};
 use trueaxis_selection::{Projection, gram_matrix, mean_evidence, restricted_likelihood};

@@ -295,8 +295,7 @@ fn judge<D: Wanders>(
     })
 }
 
-/// Twice the logarithm of the marginal likelihood ratio of disturbances against a model without them, and the
-/// projection with them.
+/// Twice the logarithm of the marginal likelihood ratio of disturbances against a model without them, and the projection with them.
 pub(crate) fn of_wandering<D: Wanders>(
     base: &D,
     plain: &D::Model,

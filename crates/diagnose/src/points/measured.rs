@@ -8,8 +8,7 @@ use crate::engine::{Culprit, Measured, Suspect, in_equal_ratios};
 use crate::points::base::Base;
 use crate::points::model::Model;
 
-/// Time constants to try, in equal ratios from a hundredth of the campaign, but at least three stops, to three times
-/// its length.
+/// Time constants to try, in equal ratios from a hundredth of the campaign, but at least three stops, to three times its length.
 const TIME_CONSTANTS: i32 = 20;
 const SHORTEST: f64 = 0.01;
 const LONGEST: f64 = 3.0;

@@ -127,8 +127,7 @@ fn numbers(gross: &[Gross]) -> Vec<usize> {
     numbers
 }
 
-/// The instant of a cause on the other side of a point that is left out, s, if no kept point that shows the effect is
-/// between the two.
+/// The instant of a cause on the other side of a point that is left out, s, if no kept point that shows the effect is between the two.
 fn beyond(all: &Base<'_>, cause: &Suspect, number: usize, left_out: &[usize]) -> Option<f64> {
     let from_the_beginning = [ResolvedEffect {
         shape: f64::NEG_INFINITY,

@@ -35,8 +35,7 @@ const MOST_UNLIKE: f64 = 20.0;
 /// No instrument is better, mm: coordinates that were made up may have no noise at all.
 const LEAST_MM: f64 = 1e-7;
 
-/// Level of the test whether directions differ; its degrees of freedom, for the directions are those in which they
-/// differ most.
+/// Level of the test whether directions differ; its degrees of freedom, for the directions are those in which they differ most.
 const DIFFER: f64 = 1e-3;
 const FREE: f64 = 5.0;
 
