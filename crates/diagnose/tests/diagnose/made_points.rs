@@ -173,7 +173,7 @@ fn moved(hidden: &Hidden, at: &Moment<'_>, p: &Point3<f64>, travel: f64) -> Vect
         "warming_axis" if hidden.axis == at.axis => {
             // After a turn a rotary stage is where it was; it leans twice a turn, too, which no law of the diagnosis has.
             let part = match travel < 10.0 {
-                true => (0.5 * at.q).sin().powi(2) + 0.3 * (2.0 * at.q).sin(),
+                true => (0.5 * at.q).sin().powi(2) + 0.1 * (2.0 * at.q).sin(),
                 false => at.q / travel,
             };
             let x = warm(hidden, at.tau) * part;
