@@ -700,6 +700,8 @@ fn what_is_in_no_catalogue_is_not_named() {
             let least = match id {
                 "wavy_stage" => 13,
                 "warming_axis" if !plan.is_rotary => 13,
+                // Lost motion is there, and named; whether it is seen to grow is counted, not claimed.
+                "loosening_drive" => 0,
                 _ => 17,
             };
             let told = count.unknown + count.right();
