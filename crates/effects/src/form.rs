@@ -23,7 +23,7 @@ use crate::{Circumstances, Displaced, Effect, Layer, PPM, Shape, Subject};
 pub(crate) enum Form {
     /// The instrument shows more than the distance, mm.
     Length(fn(&AtReading<'_>) -> f64),
-    /// It shows so many parts per million more.
+    /// The instrument shows the distance longer by this many parts per million.
     Scale(fn(&AtReading<'_>) -> f64),
     /// The station moves along the reference direction of the parameter, mm; the fourth to sixth parameter of the
     /// frame of an instrument turn it about the origin, one arcsec where the others are one µm.
@@ -36,17 +36,17 @@ pub(crate) enum Form {
     Displacement(fn(&AtReading<'_>) -> Vector3<f64>),
     /// The axis moves farther than commanded by this share of its position, and takes the target with it.
     Growth(fn(&AtReading<'_>) -> f64),
-    /// Readings are late by so many seconds, in which the moving axis travels on.
+    /// Readings are late by this many seconds, in which the moving axis travels on.
     Delay(f64),
-    /// The axis that moves stands short of its position, by half of so many µm or arcsec, on the side from which it came.
+    /// The moving axis stops short of its position by half of this many µm or arcsec, on the side from which it came.
     LostMotion(fn(&AtReading<'_>) -> f64),
     /// The positioning error of the axis changes, mm.
     Positioning(fn(&OnCurve<'_>) -> f64),
     /// The component error of the subject changes.
     Component(fn(&OnCurve<'_>) -> MotionError),
-    /// The angle about a rotary axis changes in waves, so many per turn, or as many as the shape says.
+    /// The angle about a rotary axis changes in this number of waves per turn, or in the number that is the shape.
     WavesAbout(Option<f64>),
-    /// The two of these components across a rotary axis change in waves, as many per turn as the shape says.
+    /// The two of these components across a rotary axis change in waves; the shape is their number per turn.
     WavesAcross([Component; 3]),
     /// Several component errors of the axis change together.
     Curves(fn(&OnCurve<'_>) -> MotionError),

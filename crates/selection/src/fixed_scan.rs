@@ -65,7 +65,8 @@ impl FixedScan {
         projection: &Projection,
         columns: &Arc<ShapeColumns>,
     ) -> Option<Self> {
-        let all: Vec<_> = (0..columns.shapes()).map(|k| columns.whole(k)).collect();
+        let all = (0..columns.shapes().len()).map(|k| columns.whole(k));
+        let all: Vec<_> = all.collect();
         Self::seen(hypothesis, Arc::clone(columns), grams(projection, &all))
     }
 

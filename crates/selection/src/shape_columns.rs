@@ -58,9 +58,9 @@ impl ShapeColumns {
         all
     }
 
-    /// Number of shapes.
-    pub fn shapes(&self) -> usize {
-        self.shapes.len()
+    /// The shapes, in the order of the list.
+    pub fn shapes(&self) -> impl DoubleEndedIterator<Item = f64> + ExactSizeIterator {
+        self.shapes.iter().map(|shape| shape.tried.shape)
     }
 
     /// All rows of the columns of shape `k`.

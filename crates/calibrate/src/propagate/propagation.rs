@@ -81,7 +81,7 @@ impl<'a: 'i, 'i> Propagation<'a, 'i> {
         self.whole.sources.scatter.extend(of_sources);
     }
 
-    /// Gives the location parameters of all axes together so many times the covariance that they have.
+    /// Multiplies the joint covariance of the location parameters of all axes by `ratio`.
     pub(crate) fn widen_locations(&mut self, ratio: f64) {
         let (sources, noise) = (&self.dependence.sources, &self.whole.sources);
         let all = &noise.own + &noise.shared * &self.whole.poses.shared * noise.shared.transpose();

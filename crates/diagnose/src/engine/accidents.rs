@@ -14,7 +14,7 @@ pub(crate) fn most(part: f64, count: usize) -> usize {
     most.max(1)
 }
 
-/// The first few of some lines of a table, in words: `lines 3, 8 and others`.
+/// Line numbers of a table in words; of many only the first are named: `lines 3, 8 and others`.
 pub(crate) fn first_lines(lines: impl ExactSizeIterator<Item = usize>) -> String {
     let more = if lines.len() > NAMED {
         " and others"

@@ -13,5 +13,6 @@ pub(crate) use candidate::{Candidate, Finer};
 pub(crate) use left_out::LeftOut;
 pub(crate) use listed::{Beside, Chosen, Judged, Listed, without};
 pub(crate) use search::{
-    contains, drop_superfluous, ln_more, opposed, refine, search, search_from, simplest,
+    MOST_CAUSES, contains, drop_superfluous, ln_more, opposed, refine, search, search_from,
+    simplest,
 };

@@ -121,11 +121,11 @@ fn not_its_own<D: Measured>(data: &D, model: &D::Model, found: &[Found]) -> Opti
 /// Whether the causes of a model cancel each other.
 fn opposed<D: Measured>(data: &D, model: &D::Model) -> bool {
     let columns = data.columns(model);
-    let does = D::suspects(model).iter().map(|suspect| {
+    let effects = D::suspects(model).iter().map(|suspect| {
         let own = columns(&suspect.hypothesis, suspect.shape);
         combined(D::bare(model).rows(), &own, &suspect.parameters)
     });
-    are_opposed(D::bare(model), &does.collect::<Vec<_>>())
+    are_opposed(D::bare(model), &effects.collect::<Vec<_>>())
 }
 
 /// Most exchanges of causes for better ones.

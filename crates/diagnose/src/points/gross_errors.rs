@@ -33,8 +33,8 @@ const AT_ONCE: f64 = 0.5;
 /// Ratio of two points of one step from which either may be the wrong one.
 const ALIKE: f64 = 0.9;
 
-/// So many consecutive wrong points of one target are no accidents; nor are so many stops, fewer than a jump has on
-/// its far side: a machine may be read too early several times in succession.
+/// From this number on, consecutive wrong points of one target, or stops, are no accidents. Stops are fewer than a jump
+/// has on its far side: a machine may be read too early several times in succession.
 const IN_A_ROW: usize = 3;
 const STOPS_IN_A_ROW: usize = 4;
 

@@ -53,7 +53,6 @@ pub(super) fn candidates(
             finer: None,
             sizes: Vec::new(),
             columns: ShapeColumns::new([(0.0, columns.collect())]).into(),
-            shapes: vec![0.0],
             plausible,
             hypothesis,
         }

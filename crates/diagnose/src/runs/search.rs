@@ -3,10 +3,7 @@
 use trueaxis_selection::{DECISIVE, Projection, Score, cosine, is_rival};
 
 use crate::Rival;
-use crate::engine::linear::{Chosen, Judged, Listed};
-
-/// Most causes; more would not be an explanation.
-const MOST_CAUSES: usize = 3;
+use crate::engine::linear::{Chosen, Judged, Listed, MOST_CAUSES};
 
 /// The hypothesis with the most evidence if it is significant at `level` (family-wise), and further ones while
 /// something is left to explain.

@@ -123,7 +123,7 @@ fn lost_motion(plain: &Problem<'_>) -> Vec<Chosen> {
     let chosen = forms.filter_map(|(candidate, own)| {
         Some(Chosen {
             candidate,
-            shape: *own.shapes.first()?,
+            shape: own.columns.shapes().next()?,
             u_shape: 0.0,
         })
     });

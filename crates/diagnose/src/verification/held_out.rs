@@ -112,12 +112,9 @@ pub(crate) fn held_out(problem: &Problem<'_>, causes: &[Chosen]) -> HeldOut {
 
 /// The shapes that may suit the rest better. More waves of a free form always do.
 pub(crate) fn other_shapes(candidate: &Candidate<'_>, shape: f64) -> impl Iterator<Item = f64> {
-    let shapes = match candidate.hypothesis.has_shape() {
-        true => &candidate.shapes[..],
-        false => &[],
-    };
-    let others = shapes.iter().copied();
-    others.filter(move |other| !is_same(*other, shape))
+    let is_sought = candidate.hypothesis.has_shape();
+    let shapes = candidate.columns.shapes();
+    shapes.filter(move |other| is_sought && !is_same(*other, shape))
 }
 
 impl HeldOut {

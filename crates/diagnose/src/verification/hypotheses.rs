@@ -114,7 +114,6 @@ pub(crate) fn candidates<'a>(
             all.push(Candidate {
                 hypothesis,
                 columns: ShapeColumns::of_each(&shapes, columns).into(),
-                shapes,
                 plausible: plausible.clone(),
                 is_free: false,
                 sizes: sizes.unwrap_or_default(),
@@ -137,12 +136,10 @@ pub(crate) fn candidates<'a>(
             let columns: Vec<Vec<f64>> = straight.into_iter().chain(more).collect();
             let sizes = lost_motion::sizes(comparison, &columns);
             let columns: Vec<Vec<f64>> = columns.iter().map(|c| whitening.whiten(c)).collect();
-            let shapes: Vec<f64> = numbers.iter().map(|k| *k as f64).collect();
-            let first = numbers.iter().map(|k| columns[..count + k].to_vec());
+            let first = |k: &usize| (*k as f64, columns[..count + k].to_vec());
             all.extend((most > 0).then(|| Candidate {
                 hypothesis,
-                columns: ShapeColumns::new(shapes.iter().copied().zip(first)).into(),
-                shapes,
+                columns: ShapeColumns::new(numbers.iter().map(first)).into(),
                 plausible,
                 is_free: true,
                 sizes,

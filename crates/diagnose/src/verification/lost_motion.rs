@@ -61,7 +61,7 @@ pub(crate) fn beyond_drives(problem: &Problem<'_>, causes: &[Chosen]) -> Option<
     let variance = squares / freedom.max(1.0);
     let beyond = |own: &Candidate| {
         let [_, most] = *own.plausible.first()?.as_ref()?;
-        let columns = own.columns(*own.shapes.last()?);
+        let columns = own.columns(own.columns.shapes().next_back()?);
         let fit = Fit::new(&model, &columns);
         let rank = columns.len();
         let ln_p = ln_f_test(fit.gained(), squares, rank, freedom);

@@ -57,16 +57,15 @@ pub(crate) fn is_left(model: &Model<'_>) -> bool {
 /// Twice the logarithm of the marginal likelihood ratio against the model without anything, less the cost of names.
 pub(crate) fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
     let mut sum = 0.0;
-    let mut projection = plain.listed.base.clone();
+    let mut wandering = None;
     for own in &model.wandering {
-        let (evidence, next) = beside_one_of(&projection, &own.columns(plain), own.tried(plain));
+        let before = wandering.as_ref().unwrap_or(&plain.listed.base);
+        let (evidence, next) = beside_one_of(before, &own.columns(plain), own.tried(plain));
         sum += evidence;
-        projection = next;
+        wandering = Some(next);
     }
-    let listed = match model.wandering.is_empty() {
-        true => plain.listed.clone(),
-        false => plain.listed.on(projection),
-    };
+    let beside = wandering.map(|base| plain.listed.on(base));
+    let listed = beside.as_ref().unwrap_or(&plain.listed);
     let mut names = 2 * model.wandering.len();
     for (k, cause) in model.causes.iter().enumerate() {
         let own = listed.beside(&model.causes[..k]).score_of(cause);

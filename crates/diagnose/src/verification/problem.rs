@@ -114,17 +114,20 @@ impl<'a> Problem<'a> {
     /// The same with disturbances in the covariance.
     pub(crate) fn beside(&self, wandering: &[FittedProcess]) -> Self {
         let columns: Vec<Vec<f64>> = wandering.iter().flat_map(|w| w.columns(self)).collect();
-        let with = |projection: &Projection| match columns.is_empty() {
-            true => projection.clone(),
-            false => projection.beside(&columns).0,
+        let wanders = !columns.is_empty();
+        let beside = |projection: &Projection| projection.beside(&columns).0;
+        let (as_predicted, listed) = match wanders {
+            // With the comparisons that were made.
+            false => (self.as_predicted.clone(), self.listed.clone()),
+            true => (
+                beside(&self.as_predicted),
+                self.listed.on(beside(&self.listed.base)),
+            ),
         };
         Self {
-            as_predicted: with(&self.as_predicted),
-            wanders: !columns.is_empty(),
-            listed: match columns.is_empty() {
-                true => self.listed.clone(),
-                false => self.listed.on(with(&self.listed.base)),
-            },
+            as_predicted,
+            wanders,
+            listed,
             families: self.families.clone(),
             ..*self
         }

@@ -122,11 +122,12 @@ impl<'s> Stack<'s> {
         });
         let sizes = own.clone().flat_map(|candidate| candidate.sizes.clone());
         let sizes: Vec<Vec<f64>> = sizes.collect();
-        let largest = own.max_by_key(|candidate| candidate.shapes.len());
+        let largest = own.max_by_key(|candidate| candidate.columns.shapes().len());
         let shortest = largest.and_then(|candidate| candidate.finer.as_ref());
         let shortest = shortest.map_or(f64::NEG_INFINITY, |finer| finer.shortest);
         let (shapes, plausible) = largest.map_or_else(Default::default, |candidate| {
-            (candidate.shapes.clone(), candidate.plausible.clone())
+            let shapes: Vec<f64> = candidate.columns.shapes().collect();
+            (shapes, candidate.plausible.clone())
         });
         let (all, scales_um) = (self.all, self.scales_um.clone());
         let (hypothesis, of_each, count) = (*hypothesis, members.clone(), plausible.len());
@@ -153,7 +154,6 @@ impl<'s> Stack<'s> {
         let candidate = Candidate {
             hypothesis,
             columns: ShapeColumns::of_each(&shapes, &columns).into(),
-            shapes,
             plausible,
             is_free: false,
             sizes,

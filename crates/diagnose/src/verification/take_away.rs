@@ -25,8 +25,8 @@ pub(crate) fn takes_own_away(
         let base = &series.model.problem.listed.base;
         let to_sigma = stack.scales_um[number] / series.plain.whitening.sigma_um;
         let rows = stack.rows(number);
-        let in_series = of_all.iter().map(|does| {
-            let mut column: Vec<f64> = does[rows.clone()].iter().map(|x| x * to_sigma).collect();
+        let in_series = of_all.iter().map(|effect| {
+            let mut column: Vec<f64> = effect[rows.clone()].iter().map(|x| x * to_sigma).collect();
             column.resize(base.rows(), 0.0);
             column
         });
@@ -41,8 +41,8 @@ pub(crate) fn takes_own_away(
         let left = base.with_residuals(&left);
         let of_own = own[number].iter();
         let of_own = of_own.map(|cause| series.model.problem.listed.columns_of(cause));
-        let mut does = fitted_effects(&left, &of_own.collect::<Vec<_>>());
-        does.push(in_series[k].clone());
-        are_opposed(base, &does)
+        let mut effects = fitted_effects(&left, &of_own.collect::<Vec<_>>());
+        effects.push(in_series[k].clone());
+        are_opposed(base, &effects)
     })
 }

@@ -158,7 +158,7 @@ fn other_forms(listed: &Listed, cause: &Chosen) -> Vec<Hypothesis> {
     let own = listed.columns_of(cause);
     let with_own = with(&own);
     let is_form = |candidate: &&Candidate<'_>| {
-        candidate.shapes.len() == 1 && {
+        candidate.columns.shapes().len() == 1 && {
             let columns = &candidate.columns.whole(0);
             contains(&listed.base, &with_own, columns)
                 || contains(&listed.base, &with(columns), &own)

@@ -34,7 +34,7 @@ pub(crate) struct Contradiction {
 }
 
 impl Contradiction {
-    /// The same in words; the difference, known less found, in mm.
+    /// In words; the difference is the known value less the one found, in mm.
     pub(crate) fn of(&self, what: String, difference_mm: f64) -> KnownMisfit {
         KnownMisfit {
             what,

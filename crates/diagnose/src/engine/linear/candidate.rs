@@ -14,7 +14,7 @@ use crate::engine::derivative;
 /// An effect on a subject with the columns of all its shapes.
 pub(crate) struct Candidate<'a> {
     pub(crate) hypothesis: Hypothesis,
-    pub(crate) shapes: Vec<f64>,
+    /// The columns of a list of shapes.
     pub(crate) columns: Arc<ShapeColumns>,
     /// The plausible range of each parameter.
     pub(crate) plausible: Vec<Option<[f64; 2]>>,
@@ -65,11 +65,11 @@ impl Candidate<'_> {
 
     /// The columns for a shape, or for the nearest in the list if there are none between.
     pub(crate) fn columns(&self, shape: f64) -> Vec<Vec<f64>> {
-        let distance = |k: &usize| (self.shapes[*k] - shape).abs();
-        let nearest = (0..self.shapes.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let distances = self.columns.shapes().map(|own| (own - shape).abs());
+        let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
         match (nearest, &self.finer) {
-            (Some(k), Some(finer)) if distance(&k) > 0.0 => (finer.columns)(shape),
-            (Some(k), _) => self.columns.whole(k),
+            (Some((_, distance)), Some(finer)) if distance > 0.0 => (finer.columns)(shape),
+            (Some((k, _)), _) => self.columns.whole(k),
             (None, _) => Vec::new(),
         }
     }
@@ -78,7 +78,8 @@ impl Candidate<'_> {
     /// `part` of their distance; `None` if there are no shapes between.
     pub(super) fn refined(&self, model: &Projection, shape: f64, part: f64) -> Option<f64> {
         let finer = self.finer_at(shape)?;
-        let [before, after] = neighbours(&self.shapes, shape);
+        let shapes: Vec<f64> = self.columns.shapes().collect();
+        let [before, after] = neighbours(&shapes, shape);
         let low = before.unwrap_or(shape).max(finer.shortest);
         let high = after.unwrap_or(shape);
         let gained = |shape: f64| Fit::new(model, &(finer.columns)(shape)).gained();
@@ -133,7 +134,7 @@ impl Candidate<'_> {
     /// simpler form is certainly too simple.
     pub(crate) fn ln_level_of_more(&self, level: f64) -> f64 {
         match self.is_free {
-            true => (level * FREE_FORM / self.shapes.len() as f64).ln(),
+            true => (level * FREE_FORM / self.columns.shapes().len() as f64).ln(),
             false => level.ln(),
         }
     }

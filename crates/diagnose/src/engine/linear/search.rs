@@ -108,8 +108,8 @@ fn hidden_pair(listed: &Listed, excluded: &[usize], level: f64) -> Vec<Chosen> {
 /// Whether causes cancel each other.
 pub(crate) fn opposed(listed: &Listed, causes: &[Chosen]) -> bool {
     let of_each = causes.iter().map(|cause| listed.columns_of(cause));
-    let does = fitted_effects(&listed.base, &of_each.collect::<Vec<_>>());
-    are_opposed(&listed.base, &does)
+    let effects = fitted_effects(&listed.base, &of_each.collect::<Vec<_>>());
+    are_opposed(&listed.base, &effects)
 }
 
 /// Whether a further cause may be no more than the shape of the others.
