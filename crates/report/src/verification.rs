@@ -1,5 +1,8 @@
 //! What other instruments read against what the calibration predicts, with and without compensation.
 
+mod places;
+mod polar;
+
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
@@ -50,11 +53,26 @@ impl Entry {
     fn has_sides(&self) -> bool {
         self.points.iter().any(|point| point.direction < 0)
     }
+
+    /// Says what the marks of its figures mean, of which the readings may be `with_u`.
+    fn add_key(&self, with_u: &str, mut add: impl FnMut(&str, &str)) {
+        add("m1", &format!("read forward{with_u}"));
+        if self.has_sides() {
+            add("p1 x", &format!("read backward{with_u}"));
+        }
+        add("l0", "predicted, with its 95 % band");
+        add("l2", "predicted with compensation");
+    }
 }
 
 #[derive(Debug, Deserialize)]
 struct Point {
     at: BTreeMap<String, f64>,
+    /// Only of point checks.
+    #[serde(default)]
+    point_mm: [f64; 3],
+    #[serde(default)]
+    coordinate: String,
     /// Not there for point checks.
     #[serde(default)]
     direction: i8,
@@ -65,6 +83,12 @@ struct Point {
     u_prediction_um: Option<f64>,
     u_reading_um: Option<f64>,
     e_n: Option<f64>,
+}
+
+impl Point {
+    fn expanded_prediction_um(&self) -> f64 {
+        COVERAGE * self.u_prediction_um.unwrap_or(0.0)
+    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -86,6 +110,10 @@ pub(crate) struct VerificationSection {
 struct EntryView {
     name: String,
     figure: Option<Figure>,
+    /// Whether it shows coordinates of single places.
+    of_places: bool,
+    /// Of a ball bar.
+    polar: Option<Figure>,
     /// How well readings and prediction agree, where the uncertainty of a reading is declared.
     agreement: Option<String>,
     is_misfit: bool,
@@ -155,7 +183,15 @@ impl VerificationSection {
                 compensated_um: fixed(with, 2),
                 moves_more: with > without + LAST_DIGIT_UM,
                 name: entry.name.clone(),
-                figure: figure(k, entry, &verification.rotary_axes),
+                figure: match entry.kind.as_str() {
+                    "points" => places::figure(k, entry, verification.compensated),
+                    _ => figure(k, entry, &verification.rotary_axes),
+                },
+                of_places: entry.kind == "points",
+                polar: match entry.kind.as_str() {
+                    "ballbar" => polar::figure(k, entry, &verification.rotary_axes),
+                    _ => None,
+                },
                 agreement: entry.e_n.as_ref().map(|e_n| {
                     format!(
                         "{} of {} normalised errors Eₙ are above 1, {} expected{}",
@@ -180,16 +216,13 @@ impl VerificationSection {
     }
 
     pub(crate) fn figures(&self) -> impl Iterator<Item = &Figure> {
-        self.entries.iter().flat_map(|entry| &entry.figure)
+        let entries = self.entries.iter();
+        entries.flat_map(|entry| entry.figure.iter().chain(&entry.polar))
     }
 }
 
 /// Readings as dots with their U, the prediction with its band, and what is left with compensation.
 fn figure(k: usize, entry: &Entry, rotary_axes: &[String]) -> Option<Figure> {
-    // Coordinates of single places are no curve.
-    if entry.kind == "points" {
-        return None;
-    }
     let axis = moving_axis(entry)?;
     let is_rotary = rotary_axes.contains(&axis);
     let unit = if is_rotary { "°" } else { " mm" };
@@ -205,7 +238,7 @@ fn figure(k: usize, entry: &Entry, rotary_axes: &[String]) -> Option<Figure> {
         false => (1..).map(f64::from).zip(&entry.points).collect(),
     };
     let u_reading = |point: &Point| COVERAGE * point.u_reading_um.unwrap_or(0.0);
-    let u_prediction = |point: &Point| COVERAGE * point.u_prediction_um.unwrap_or(0.0);
+    let u_prediction = Point::expanded_prediction_um;
     let [from, to] = range(numbered.iter().map(|(x, _)| *x));
     let [low, high] = range(entry.points.iter().flat_map(|point| {
         let around = |value: f64, u: f64| [value - u, value + u];
@@ -269,16 +302,8 @@ fn figure(k: usize, entry: &Entry, rotary_axes: &[String]) -> Option<Figure> {
         );
         plot.hover([x, point.reading_um], &text);
     }
-    let read = |side: &str| match entry.is_declared() {
-        true => format!("read {side}, with U"),
-        false => format!("read {side}"),
-    };
-    plot.add_key("m1", &read("forward"));
-    if entry.has_sides() {
-        plot.add_key("p1 x", &read("backward"));
-    }
-    plot.add_key("l0", "predicted, with its 95 % band");
-    plot.add_key("l2", "predicted with compensation");
+    let with_u = if entry.is_declared() { ", with U" } else { "" };
+    entry.add_key(with_u, |class, words| plot.add_key(class, words));
     Some(Figure::new(
         &format!("verification-{}", k + 1),
         plot.finish(),

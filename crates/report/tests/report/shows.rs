@@ -322,6 +322,58 @@ fn positions_have_their_unit() {
     assert!(!alone.contains("C in mm"));
 }
 
+/// Quarter turns in X and Y, read 4 µm longer at +X and 2 µm shorter at +Y: as far from the circle as the names say.
+#[test]
+fn a_ball_bar_has_a_polar_plot() {
+    let point = |x: f64, y: f64, um: f64| json!({ "at": { "X": x, "Y": y, "Z": 7 }, "direction": 1, "reading_um": um, "predicted_um": 0.0, "compensated_um": 0.0 });
+    let around = [
+        point(400.0, 250.0, 4.0),
+        point(300.0, 350.0, -2.0),
+        point(200.0, 250.0, 0.0),
+        point(300.0, 150.0, 0.0),
+    ];
+    let of = |points: &[Value]| {
+        let verification = json!({
+            "format": "trueaxis-verification", "version": 1,
+            "verification": [ { "name": "DBB", "kind": "ballbar", "points": points } ] });
+        let folder = tempfile::tempdir().unwrap();
+        page(folder.path(), &[("verification.json", &verification)])
+    };
+    // Centre 180, circle 90, and 62 for 4 µm.
+    has(
+        &of(&around),
+        &["+X", "+Y", "M332 180h0M180 121h0M90 180h0M180 270h0"],
+    );
+    // On a straight line there is no circle.
+    let line = [0.0, 1.0, 2.0, 4.0].map(|x| point(x, x, 1.0));
+    assert!(!of(&line).contains("polar\"><figure"));
+}
+
+/// U of 0.3 µm read and 0.4 µm predicted is that of their difference, 1 µm.
+#[test]
+fn point_checks_have_a_figure() {
+    let point = |coordinate: &str, um: f64| {
+        json!({ "at": { "X": 5 }, "point_mm": [5, 95, -450], "coordinate": coordinate, "reading_um": um, "u_reading_um": 0.3,
+            "predicted_um": 2.0, "u_prediction_um": 0.4, "compensated_um": 0.0, "e_n": 0.5 })
+    };
+    let verification = json!({
+        "format": "trueaxis-verification", "version": 1,
+        "verification": [ { "name": "plate", "kind": "points", "points": [point("x", 2.5), point("z", 2.0)] } ] });
+    let folder = tempfile::tempdir().unwrap();
+    let shown = page(folder.path(), &[("verification.json", &verification)]);
+    let x = "x at (+5.0, +95.0, −450.0) mm: read +2.5 µm, predicted +2.0 ± 0.8 µm, Eₙ 0.50";
+    // From -0.5 to 1.5 µm, of -1.15 to 1.65 µm on 222 pixels.
+    has(
+        &shown,
+        &[
+            x,
+            "M260.5 178.5L260.5 19.9",
+            "z at (+5.0",
+            "number of the place",
+        ],
+    );
+}
+
 /// Points have coordinates where lengths have stations, and the rms says whether they are of this calibration.
 #[test]
 fn coordinates_have_their_residuals() {
