@@ -49,6 +49,8 @@ struct CauseView {
     figures: Vec<Figure>,
     /// Whether its figures have both sides of approach.
     has_sides: bool,
+    /// Whether a length is drawn less what the others of its visit predict of it.
+    given_others: bool,
 }
 
 const BAR: [f64; 2] = [900.0, 34.0];
@@ -257,6 +259,7 @@ fn cause(index: usize, cause: &Cause) -> CauseView {
             .map(|of| fitted_figures(index + 1, cause.is_of_curve(), of))
             .unwrap_or_default(),
         has_sides: cause.fitted.as_ref().is_some_and(Fitted::has_sides),
+        given_others: cause.fitted.as_ref().is_some_and(Fitted::given_others),
     }
 }
 

@@ -82,6 +82,10 @@ impl Fitted {
         ["time", "order"].contains(&self.against.as_str())
     }
 
+    pub(crate) fn given_others(&self) -> bool {
+        self.of.ends_with(" given the others")
+    }
+
     /// Whether it is over a position that was approached from both sides.
     pub(crate) fn has_sides(&self) -> bool {
         let mut sides = self.direction.iter();

@@ -46,7 +46,15 @@ fn holds(cause: &Cause, hidden: &Hidden) -> bool {
     is(hidden, &cause.effect) || cause.rival_effects().any(|rival| is(hidden, rival))
 }
 
-/// Every effect that lengths can show is found, alone or among those that the data do not tell apart.
+/// Rms of what the line of a cause's figure leaves of its dots, in units of the noise.
+fn left_in_figure(cause: &Cause) -> Option<f64> {
+    let points = &cause.fitted.as_ref()?.points;
+    let squares = points.iter().map(|p| ((p.misfit - p.fitted) / p.u).powi(2));
+    Some((squares.sum::<f64>() / points.len() as f64).sqrt())
+}
+
+/// Every effect that lengths can show is found, alone or among those that the data do not tell apart; what its figure
+/// leaves is noise as stated, of which poses and stations take a part.
 #[test]
 fn every_effect_is_found_and_none_is_confused() {
     let names: Vec<&str> = blind::CATALOGUED.to_vec();
@@ -62,7 +70,12 @@ fn every_effect_is_found_and_none_is_confused() {
         let causes = of_lengths(&diagnosis);
         let right = causes.len() == 1 && holds(causes[0], &hidden);
         let found: Vec<_> = causes.iter().map(|c| c.effect.effect.id).collect();
-        (!right).then(|| format!("{name}: {} {found:?}", diagnosis.verdict.name()))
+        let left = causes.iter().filter_map(|c| left_in_figure(c));
+        let left: Vec<f64> = left.collect();
+        let is_noise =
+            left.len() == causes.len() && left.iter().all(|rms| (0.5..1.1).contains(rms));
+        (!right || !is_noise)
+            .then(|| format!("{name}: {} {found:?} {left:?}", diagnosis.verdict.name()))
     })
     .into_iter()
     .flatten()
