@@ -59,6 +59,8 @@ pub(crate) enum Verb {
     /// verification.json.
     Verify(VerifyArgs),
     /// Says how two calibrations of one machine differ; writes comparison.json.
+    ///
+    /// Beside it: report.html.
     Compare(CompareArgs),
     /// Says what the calibrated model gets wrong and why; writes diagnosis.json.
     ///
@@ -197,6 +199,10 @@ pub(crate) struct CompareArgs {
     #[arg(value_name = "B.json")]
     pub(crate) second: PathBuf,
 
+    /// Write no report.html.
+    #[arg(long)]
+    pub(crate) no_report: bool,
+
     #[command(flatten)]
     pub(crate) result: ResultArgs,
 }
@@ -244,7 +250,7 @@ fn named<T: Copy + Send + Sync + 'static, const N: usize>(
 
 #[derive(Debug, ClapArgs)]
 pub(crate) struct ReportArgs {
-    /// The folder that `calibrate`, `diagnose`, `verify` and `volume` wrote.
+    /// The folder that `calibrate`, `diagnose`, `verify`, `compare` and `volume` wrote.
     #[arg(value_name = "DIR")]
     pub(crate) folder: PathBuf,
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use trueaxis_files::{round, told_behind, without_nulls};
-use trueaxis_kinematics::{ARCSEC, AxisKind, MICROMETRE};
+use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, MICROMETRE};
 use trueaxis_predict::{CalibratedMachine, Difference, check_same_machine, position_in_file};
 
 use crate::args::CompareArgs;
@@ -66,6 +66,9 @@ pub(crate) fn execute(args: &CompareArgs) -> anyhow::Result<Exit> {
         notice(
             "both follow from the same measurement, whose noise is common to them: U of the differences is too large",
         );
+    }
+    if !args.no_report {
+        results.report()?;
     }
     results.end(args.result.json.then_some(&text))?;
     Ok(Exit::Good)
@@ -149,6 +152,7 @@ fn to_json(
             format!("difference_{suffix}"): column(&Difference::value),
             format!("u_{suffix}"): column(&|d| d.u),
             "positions": (!positions.is_empty()).then_some(positions),
+            "beyond_noise": curve.iter().filter(|d| d.is_beyond_noise()).count(),
             "follows_from_other_steps": curve[0].follows_from_other_steps.then_some(true),
         }));
         (curve[0].name.clone(), value)
@@ -161,12 +165,15 @@ fn to_json(
             Some((axis.to_owned(), json!(positions)))
         })
         .collect();
+    let rotary = axes.iter().filter(|axis| axis.kind() == AxisKind::Rotary);
+    let rotary: Vec<&str> = rotary.map(Axis::name).collect();
     without_nulls(json!({
         "format": "trueaxis-comparison",
         "version": 1,
         "machine": second.name,
         "first": first.campaign,
         "second": second.campaign,
+        "rotary_axes": (!rotary.is_empty()).then_some(rotary),
         "common_positions": (!common.is_empty()).then_some(common),
         "differences": curves.iter().map(entry).collect::<Value>(),
     }))

@@ -43,7 +43,7 @@ struct RatioRow {
     six: String,
 }
 
-const SIZE: [f64; 2] = [340.0, 200.0];
+pub(crate) const SIZE: [f64; 2] = [340.0, 200.0];
 
 /// Small multiples, in the order of the names: displacements, then angles.
 const ORDER: [char; 6] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
@@ -165,7 +165,7 @@ fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
 const MOST_POINTS: usize = 400;
 
 /// Points in the order of their positions, of each part of a long curve the least and the largest.
-fn thinned(points: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
+pub(crate) fn thinned(points: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
     if points.len() <= MOST_POINTS {
         return points;
     }

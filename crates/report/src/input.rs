@@ -9,12 +9,18 @@ use trueaxis_files::sha256;
 
 use crate::Error;
 use crate::calibration::Calibration;
+use crate::comparison::Comparison;
 use crate::diagnosis::Diagnosis;
 use crate::residuals::Residuals;
 use crate::verification::Verification;
 
 /// The results of which at least one must be there.
-pub(crate) const RESULTS: [&str; 3] = ["calibration.json", "diagnosis.json", "verification.json"];
+pub(crate) const RESULTS: [&str; 4] = [
+    "calibration.json",
+    "diagnosis.json",
+    "verification.json",
+    "comparison.json",
+];
 
 /// Within this, µm, residuals have the rms of the calibration: both are rounded to a ten-thousandth.
 const ROUNDING_UM: f64 = 1e-3;
@@ -26,6 +32,7 @@ pub(crate) struct Input {
     pub(crate) volume: Option<Value>,
     pub(crate) montecarlo: Option<Value>,
     pub(crate) verification: Option<Document<Verification>>,
+    pub(crate) comparison: Option<Document<Comparison>>,
     pub(crate) residuals: Option<Residuals>,
     /// Descriptions of the files that do not belong to the others.
     pub(crate) left_out: Vec<String>,
@@ -50,6 +57,7 @@ impl Input {
             volume: read_json(folder, "volume")?.map(|(_, value)| value),
             montecarlo: read_json(folder, "montecarlo")?.map(|(_, value)| value),
             verification: read_parts(folder, "verification")?,
+            comparison: read_parts(folder, "comparison")?,
             residuals: residuals?,
             left_out: Vec::new(),
         };
@@ -60,8 +68,8 @@ impl Input {
         let says = "calibration.json has no uncertainties and is left out.";
         let (calibration, left_out) = (&mut input.calibration, &mut input.left_out);
         leave_out(calibration, left_out, |of| lacks_u(&of.parts), says);
-        if input.calibration.is_none() && input.diagnosis.is_none() && input.verification.is_none()
-        {
+        let judged = (&input.diagnosis, &input.verification, &input.comparison);
+        if input.calibration.is_none() && matches!(judged, (None, None, None)) {
             let folder = folder.to_path_buf();
             return Err(Error::NothingToReport { folder });
         }
@@ -89,6 +97,9 @@ impl Input {
         let is_other = |of: &Document<Verification>| of.parts.calibration != *campaign;
         let says = "verification.json is of another calibration and left out.";
         leave_out(&mut self.verification, left_out, is_other, says);
+        let is_other = |of: &Document<Comparison>| of.parts.second != *campaign;
+        let says = "comparison.json is of another calibration and left out.";
+        leave_out(&mut self.comparison, left_out, is_other, says);
         let adjustment = &calibration.parts.adjustment;
         // A point may be the mean of several readings: there are more residuals than observations.
         let is_other = |of: &Residuals| match (of.of_points, adjustment.rms_residual_um) {
@@ -127,6 +138,8 @@ impl Input {
             |of| is_other(&of.raw),
             says,
         );
+        let says = "comparison.json is of another calibration and left out; make it again.";
+        leave_out(&mut self.comparison, left_out, |of| is_other(&of.raw), says);
         Ok(())
     }
 }

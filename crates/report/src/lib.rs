@@ -24,6 +24,7 @@
 
 mod calibration;
 mod causes;
+mod comparison;
 mod components;
 mod diagnosis;
 mod disturbances;

@@ -4,6 +4,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::causes::DiagnosisSection;
+use crate::comparison::ComparisonSection;
 use crate::components::{self, AxisSection};
 use crate::evidence::Evidence;
 use crate::input::Input;
@@ -56,6 +57,7 @@ pub(crate) struct Page<'a> {
     evidence: Option<Evidence>,
     causes: Option<DiagnosisSection>,
     verified: Option<VerificationSection>,
+    compared: Option<ComparisonSection>,
     calibration: Option<&'a Value>,
     diagnosis: Option<&'a Value>,
     volume: Option<&'a Value>,
@@ -88,6 +90,7 @@ impl<'a> Page<'a> {
         let calibration = input.calibration.as_ref().map(|document| &document.parts);
         let diagnosis = input.diagnosis.as_ref().map(|document| &document.parts);
         let verification = input.verification.as_ref().map(|document| &document.parts);
+        let comparison = input.comparison.as_ref().map(|document| &document.parts);
         let machine = calibration.map(|calibration| &calibration.machine);
         let residuals = input.residuals.as_ref();
         let raw = input.calibration.as_ref().map(|document| &document.raw);
@@ -97,14 +100,14 @@ impl<'a> Page<'a> {
                 (Some(calibration), _, _) => &calibration.campaign,
                 (_, Some(diagnosis), _) => &diagnosis.campaign,
                 (_, _, Some(verification)) => &verification.campaign,
-                (None, None, None) => "",
+                (None, None, None) => comparison.map_or("", |of| &of.second),
             },
             machine: match (machine, verification) {
                 (Some(machine), _) => &machine.name,
                 (None, Some(verification)) => &verification.machine,
-                (None, None) => "",
+                (None, None) => comparison.map_or("", |of| &of.machine),
             },
-            verdict: Verdict::new(calibration, diagnosis, verification),
+            verdict: Verdict::new(calibration, diagnosis, verification, comparison),
             left_out: &input.left_out,
             locations: calibration.map_or_else(Vec::new, locations),
             largest: calibration.map_or_else(Vec::new, crate::largest::largest),
@@ -114,6 +117,7 @@ impl<'a> Page<'a> {
             evidence: residuals.and_then(|residuals| Evidence::new(residuals, machine)),
             causes: diagnosis.map(DiagnosisSection::new),
             verified: verification.map(VerificationSection::new),
+            compared: comparison.map(ComparisonSection::new),
             calibration: raw,
             diagnosis: input.diagnosis.as_ref().map(|document| &document.raw),
             volume: input.volume.as_ref(),
@@ -129,12 +133,14 @@ impl<'a> Page<'a> {
         let of_evidence = self.evidence.iter().flat_map(Evidence::figures);
         let of_causes = self.causes.iter().flat_map(DiagnosisSection::figures);
         let of_verified = self.verified.iter().flat_map(VerificationSection::figures);
+        let of_compared = self.compared.iter().flat_map(|compared| &compared.figures);
         let machine = self.machine_figure.iter();
         machine
             .chain(of_axes)
             .chain(of_evidence)
             .chain(of_causes)
             .chain(of_verified)
+            .chain(of_compared)
             .collect()
     }
 }

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use crate::calibration::Calibration;
 use crate::causes::changes;
+use crate::comparison::Comparison;
 use crate::diagnosis::{Diagnosis, Disturbance};
 use crate::numbers::{fixed, p_value};
 use crate::verification::Verification;
@@ -26,6 +27,7 @@ impl Verdict {
         calibration: Option<&Calibration>,
         diagnosis: Option<&Diagnosis>,
         verification: Option<&Verification>,
+        comparison: Option<&Comparison>,
     ) -> Self {
         let contradiction = calibration.and_then(contradiction);
         let is_only_louder = contradiction.is_none();
@@ -91,7 +93,14 @@ impl Verdict {
                 "The readings contradict the prediction: {misfits}."
             ));
         }
-        if calibration.is_none() && diagnosis.is_none() {
+        if calibration.is_none() && diagnosis.is_none() && verification.is_none() {
+            let changed = comparison.and_then(Comparison::changed);
+            (level, sentence) = match changed.map(|names| names.is_empty()) {
+                Some(true) => ("good", "No change is seen beyond the noise."),
+                Some(false) => ("care", "The machine has changed."),
+                None => ("care", "Whether the machine has changed is not known."),
+            };
+        } else if calibration.is_none() && diagnosis.is_none() {
             (level, sentence) = match verified {
                 Some(true) => ("bad", "The readings contradict the calibration."),
                 Some(false) => ("good", "The readings agree with the calibration."),
@@ -106,6 +115,7 @@ impl Verdict {
                 "The residuals agree with the model, but other readings contradict it.",
             );
         }
+        reasons.extend(comparison.map(Comparison::said));
         Self {
             level,
             sentence: sentence.to_owned(),

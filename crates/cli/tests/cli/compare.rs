@@ -51,6 +51,8 @@ fn two_calibrations_and_two_machines() {
     );
     let text = fs::read_to_string(current.join(path)).unwrap();
     assert_eq!(text, outcome.stdout);
+    let page = fs::read_to_string(current.join("fxyz-machine/report.html")).unwrap();
+    assert!(page.contains("No change is seen beyond the noise."));
     let document: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(document["format"], "trueaxis-comparison");
     let exx = &document["differences"]["EXX"];

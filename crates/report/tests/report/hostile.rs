@@ -52,7 +52,18 @@ fn write(folder: &Path, name: &dyn Fn(usize) -> String, number: &Value) {
         "verification": [ { "name": name(36), "kind": name(37),
             "points": [ { "at": { name(3): number }, "direction": 1, "readings": 5, "reading_um": number, "predicted_um": 1.0,
                 "compensated_um": number, "u_prediction_um": number, "u_reading_um": 1.0, "e_n": number } ],
-            "iso_230_4": { name(38): number } } ] });
+            "iso_230_4": { name(38): number } },
+            { "name": name(36), "kind": "ballbar", "points": [
+                { "at": { name(3): number, name(8): 1.0 }, "direction": 1, "reading_um": number, "predicted_um": 1.0, "compensated_um": 2.0 },
+                { "at": { name(3): 1.0, name(8): 3.0 }, "direction": 1, "reading_um": 1.0, "predicted_um": 1.0, "compensated_um": 2.0 },
+                { "at": { name(3): 2.0, name(8): 1.0 }, "direction": -1, "reading_um": 1.0, "predicted_um": number, "compensated_um": 2.0 } ] },
+            { "name": name(36), "kind": "points", "points": [ { "at": { name(3): number }, "point_mm": [number, 1.0, 2.0],
+                "coordinate": "y", "reading_um": number, "predicted_um": 1.0, "compensated_um": 2.0 } ] } ] });
+    let comparison = json!({
+        "format": "trueaxis-comparison", "version": 1, "machine": name(1), "first": name(39), "second": name(0),
+        "rotary_axes": [name(3)], "differences": { name(8): { "difference_um": [number, 1.0], "u_um": [1.0, number],
+            "positions": [number, 2.0], "beyond_noise": 1 } } });
+    std::fs::write(folder.join("comparison.json"), comparison.to_string()).unwrap();
     std::fs::write(folder.join("verification.json"), verification.to_string()).unwrap();
     std::fs::write(folder.join("calibration.json"), calibration.to_string()).unwrap();
     std::fs::write(folder.join("diagnosis.json"), diagnosis.to_string()).unwrap();

@@ -374,6 +374,61 @@ fn point_checks_have_a_figure() {
     );
 }
 
+/// U (k = 2) of the noise of both; what follows from other positions is no change.
+#[test]
+fn a_comparison_says_what_has_changed() {
+    let mut comparison = json!({
+        "format": "trueaxis-comparison", "version": 1, "machine": "M", "first": "last year", "second": "two axes", "rotary_axes": ["C"],
+        "differences": {
+            "EXC": { "difference_um": [0, 9, 1], "u_um": [0, 1, 1], "positions": [0, 90, 180], "beyond_noise": 1 },
+            "EBC": { "difference_arcsec": [0, 9], "u_arcsec": [0, 1], "positions": [0, 90], "beyond_noise": 1, "follows_from_other_steps": true },
+            "C0Y": { "difference_arcsec": [0.5], "u_arcsec": [0.2], "beyond_noise": 0 } } });
+    let of = |comparison: &Value, calibration: Option<&Value>| {
+        let folder = tempfile::tempdir().unwrap();
+        let mut files = vec![("comparison.json", comparison)];
+        files.extend(calibration.map(|calibration| ("calibration.json", calibration)));
+        page(folder.path(), &files)
+    };
+    let says = "1 of the 3 errors changed by more than the noise since “last year”: EXC.";
+    let alone = of(&comparison, None);
+    has(
+        &alone,
+        &[
+            "verdict care",
+            "The machine has changed.",
+            says,
+            "C = 90°: EXC changed by +9.0 ± 2.0 µm",
+        ],
+    );
+    has(
+        &alone,
+        &[
+            "changed at 1 of 3 positions",
+            "measured at other positions; differs at 1 of 2",
+            "+0.50 ± 0.40″",
+        ],
+    );
+    has(
+        &of(&comparison, Some(&calibration())),
+        &["verdict good", says, "Changes since last year"],
+    );
+    comparison["second"] = json!("another");
+    has(
+        &of(&comparison, Some(&calibration())),
+        &["comparison.json is of another calibration and left out."],
+    );
+    comparison["differences"]["EXC"]["beyond_noise"] = json!(0);
+    has(
+        &of(&comparison, None),
+        &["verdict good", "None of the 3 errors has changed"],
+    );
+    comparison["differences"]["C0Y"] = json!({ "difference_arcsec": [0.5], "u_arcsec": [null] });
+    has(
+        &of(&comparison, None),
+        &["verdict care", "is not known", "+0.50″"],
+    );
+}
+
 /// Points have coordinates where lengths have stations, and the rms says whether they are of this calibration.
 #[test]
 fn coordinates_have_their_residuals() {
