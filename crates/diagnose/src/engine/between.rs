@@ -7,6 +7,23 @@ pub(crate) fn neighbours(all: &[f64], value: f64) -> [Option<f64>; 2] {
     [before.reduce(f64::max), after.reduce(f64::min)]
 }
 
+/// A value that is closer to a neighbour than this share of the distance of both is at an end of what was tried.
+const AT_END: f64 = 0.01;
+
+/// The values of a list on either side of one that is not at an end.
+pub(crate) fn around(all: &[f64], value: f64) -> [Option<f64>; 2] {
+    let [before, after] = neighbours(all, value);
+    let (Some(low), Some(high)) = (before, after) else {
+        return [before, after];
+    };
+    let near = AT_END * (high - low);
+    let beyond = |end: f64, side: usize| match (value - end).abs() < near {
+        true => neighbours(all, end)[side].or(Some(end)),
+        false => Some(end),
+    };
+    [beyond(low, 0), beyond(high, 1)]
+}
+
 /// The place of the maximum of `value` between two ends, by golden section until `is_close`.
 pub(crate) fn golden_section(
     [mut low, mut high]: [f64; 2],

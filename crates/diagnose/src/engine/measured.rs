@@ -1,6 +1,6 @@
 //! What differs between kinds of data, and what is found in all kinds.
 
-use trueaxis_effects::{ResolvedEffect, Scene, Shape};
+use trueaxis_effects::{Effect, ResolvedEffect, Scene, Shape};
 use trueaxis_selection::{Fit, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
 use crate::Error;
@@ -74,6 +74,11 @@ pub(crate) trait Measured: Sync {
 /// Ratio from which two time constants are two.
 const APART: f64 = 3.0;
 
+/// Whether an effect may be there twice: what warms up, with time constants so far apart, those of a spindle and of a bed.
+pub(crate) fn are_two(effect: &Effect, a: f64, b: f64) -> bool {
+    effect.shape == Shape::TimeConstant && a.max(b) > APART * a.min(b)
+}
+
 /// A cause with its parameters, linear at its shape.
 #[derive(Debug, Clone)]
 pub(crate) struct Suspect {
@@ -106,11 +111,10 @@ impl Suspect {
         self.hypothesis.is(&other.hypothesis) && !self.is_second_time_constant(other)
     }
 
-    /// Whether both warm up the same, with time constants so far apart that both may be there: of a spindle and of a bed.
+    /// Whether both are the same effect with two time constants.
     pub(crate) fn is_second_time_constant(&self, other: &Self) -> bool {
-        let is_time_constant = self.hypothesis.effect.shape == Shape::TimeConstant;
-        let ratio = self.shape.max(other.shape) / self.shape.min(other.shape);
-        is_time_constant && self.hypothesis.is(&other.hypothesis) && ratio > APART
+        let is_same = self.hypothesis.is(&other.hypothesis);
+        is_same && are_two(self.hypothesis.effect, self.shape, other.shape)
     }
 
     /// The effect with its values.

@@ -40,6 +40,7 @@ mod sides;
 mod slips;
 mod three_runs;
 mod true_gain;
+mod two_constants;
 mod two_instruments;
 mod unknown;
 mod unseen;

@@ -8,8 +8,8 @@ use trueaxis_selection::{
     Fit, FixedScan, Hypothesis, Projection, Scan, ShapeColumns, middle, rank,
 };
 
-use crate::engine::between::{golden_section, neighbours};
-use crate::engine::derivative;
+use crate::engine::between::{around, golden_section};
+use crate::engine::{are_two, derivative};
 
 /// An effect on a subject with the columns of all its shapes.
 pub(crate) struct Candidate<'a> {
@@ -40,6 +40,9 @@ pub(crate) struct Finer<'a> {
     pub(crate) shortest: f64,
 }
 
+/// Accuracy of a shape in the end, as a share of the distance of its neighbours in the list.
+const REFINED: f64 = 1e-5;
+
 /// Whitened columns of a shape.
 type ColumnsAt<'a> = Box<dyn Fn(f64) -> Vec<Vec<f64>> + Send + Sync + 'a>;
 
@@ -63,6 +66,20 @@ impl Candidate<'_> {
         self.plausible.len() == 1 && !self.is_of_any_form()
     }
 
+    /// The columns of the shapes that it may have beside itself in the model with other shapes.
+    pub(super) fn columns_beside(&self, shapes: &[f64]) -> Arc<ShapeColumns> {
+        if shapes.is_empty() {
+            return Arc::clone(&self.columns);
+        }
+        let listed = self.columns.shapes().enumerate();
+        let others = listed.filter(|(_, shape)| {
+            let mut all = shapes.iter();
+            all.all(|own| are_two(self.hypothesis.effect, *own, *shape))
+        });
+        let others = others.map(|(k, shape)| (shape, self.columns.whole(k)));
+        Arc::new(ShapeColumns::new(others))
+    }
+
     /// The columns for a shape, or for the nearest in the list if there are none between.
     pub(crate) fn columns(&self, shape: f64) -> Vec<Vec<f64>> {
         let distances = self.columns.shapes().map(|own| (own - shape).abs());
@@ -79,7 +96,7 @@ impl Candidate<'_> {
     pub(super) fn refined(&self, model: &Projection, shape: f64, part: f64) -> Option<f64> {
         let finer = self.finer_at(shape)?;
         let shapes: Vec<f64> = self.columns.shapes().collect();
-        let [before, after] = neighbours(&shapes, shape);
+        let [before, after] = around(&shapes, shape);
         let low = before.unwrap_or(shape).max(finer.shortest);
         let high = after.unwrap_or(shape);
         let gained = |shape: f64| Fit::new(model, &(finer.columns)(shape)).gained();
@@ -99,6 +116,18 @@ impl Candidate<'_> {
                 Some(golden_section([low, high], is_close, gained))
             }
         }
+    }
+
+    /// Whether there are shapes between those of the list, and none is an instant.
+    pub(super) fn is_continuous(&self) -> bool {
+        self.finer
+            .as_ref()
+            .is_some_and(|finer| finer.gaps_s.is_none())
+    }
+
+    /// A shape that explains most of what a model leaves, near another one.
+    pub(super) fn settled(&self, model: &Projection, shape: f64) -> f64 {
+        self.refined(model, shape, REFINED).unwrap_or(shape)
     }
 
     /// Standard deviation of an instant over its marginal likelihood in nearby gaps.

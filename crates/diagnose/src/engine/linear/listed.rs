@@ -79,9 +79,8 @@ const WORTH_REFINING: f64 = 20.0;
 /// Comparisons that are kept.
 const KEPT: usize = 16;
 
-/// Accuracy of a shape, as a share of the distance of its neighbours in the list: for comparisons, and in the end.
+/// Accuracy of a shape for comparisons, as a share of the distance of its neighbours in the list.
 const ROUGHLY: f64 = 1e-2;
-const REFINED: f64 = 1e-5;
 
 impl<'a> Listed<'a> {
     pub(crate) fn new(base: Projection, candidates: Arc<[Candidate<'a>]>) -> Self {
@@ -125,8 +124,7 @@ impl<'a> Listed<'a> {
 
     /// The hypotheses that the data see beside a model with causes, with the candidate of each.
     ///
-    /// No effect occurs twice on the same subject: a second time constant or period of the same name would fit
-    /// anything.
+    /// No effect occurs twice on the same subject, except what warms up, with time constants that are [`are_two`].
     pub(crate) fn beside(&self, causes: &[Chosen]) -> Arc<Beside> {
         let lock = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
         let key = |cause: &Chosen| (cause.candidate, cause.shape.to_bits());
@@ -150,11 +148,10 @@ impl<'a> Listed<'a> {
         let worth = WORTH_REFINING * model.squares() / model.degrees_of_freedom.max(1.0);
         let (mut scans, mut numbers): (Vec<Box<dyn Scan>>, _) = (Vec::new(), Vec::new());
         for (number, candidate) in self.candidates.iter().enumerate() {
-            if causes.iter().any(|cause| cause.candidate == number) {
-                continue;
-            }
-            let (hypothesis, columns) = (candidate.hypothesis, &candidate.columns);
-            let Some(mut scan) = FixedScan::of_columns(hypothesis, &model, columns) else {
+            let own = causes.iter().filter(|cause| cause.candidate == number);
+            let own: Vec<f64> = own.map(|cause| cause.shape).collect();
+            let (hypothesis, columns) = (candidate.hypothesis, candidate.columns_beside(&own));
+            let Some(mut scan) = FixedScan::of_columns(hypothesis, &model, &columns) else {
                 continue;
             };
             let best = best_shape(&model, &scan).filter(|(_, explained, _)| *explained > worth);
@@ -181,8 +178,7 @@ impl<'a> Listed<'a> {
     /// A scored hypothesis as a cause, with its shape as accurate as the data show it.
     pub(crate) fn chosen(&self, beside: &Beside, score: &Score) -> Chosen {
         let candidate = self.candidate(beside, score);
-        let shape = candidate.refined(&beside.model, score.shape, REFINED);
-        let shape = shape.unwrap_or(score.shape);
+        let shape = candidate.settled(&beside.model, score.shape);
         let u_instant = candidate.u_instant(&beside.model, shape);
         Chosen {
             candidate: beside.numbers[score.scan],

@@ -7,13 +7,14 @@
 //!    more is significant by itself.
 //! 3. Shapes of all causes are sought again with the others in the model.
 //! 4. Causes that have become superfluous leave, and none joins only to cancel another.
-//! 5. At most one goes with time, or a drift and a jump that together leave nothing: several can follow any course.
+//! 5. At most one goes with time, what warms up with two time constants, or a drift and a jump that together leave
+//!    nothing: several can follow any course.
 
 use trueaxis_effects::Shape;
-use trueaxis_selection::{DECISIVE, Projection, Score, ln_f_test};
+use trueaxis_selection::{DECISIVE, Fit, Projection, Score, ln_f_test};
 
 use crate::engine::linear::{Beside, Chosen, Listed, without};
-use crate::engine::{FURTHER_LEVEL, SHAPE_ERROR, are_opposed, fitted_effects};
+use crate::engine::{FURTHER_LEVEL, SHAPE_ERROR, are_opposed, fitted_effects, golden_section};
 
 /// Most causes named: more are no longer an explanation.
 pub(crate) const MOST_CAUSES: usize = 3;
@@ -69,7 +70,9 @@ fn grown(
             }
             break;
         };
-        if with_shapes && is_shape_of(listed, &causes, &next) {
+        // Between two time constants one alone explains most of both.
+        let is_second = causes.iter().any(|cause| cause.candidate == next.candidate);
+        if with_shapes && !is_second && is_shape_of(listed, &causes, &next) {
             break;
         }
         let before = causes.clone();
@@ -77,6 +80,10 @@ fn grown(
         // A single cause was judged when it joined.
         if causes.len() > 1 {
             refine(listed, &mut causes);
+            let least = match is_second {
+                true => least.min(SECOND_OF_TIME),
+                false => least,
+            };
             drop_superfluous(listed, &mut causes, least);
             if opposed(listed, &causes) {
                 return before;
@@ -139,7 +146,8 @@ pub(crate) fn drop_superfluous(listed: &Listed, causes: &mut Vec<Chosen>, level:
 /// Probability of noise giving a second cause in time, below which it is considered: disturbances give one sooner.
 const SECOND_OF_TIME: f64 = 1e-12;
 
-/// The next cause, if any: at most one in time, or a drift and a jump where `both`; several can follow any course.
+/// The next cause, if any: at most one in time, with a second time constant, or a drift and a jump where `both`;
+/// several can follow any course.
 fn best(
     listed: &Listed,
     causes: &[Chosen],
@@ -155,6 +163,8 @@ fn best(
         .collect();
     let is_one_too_many = |number: usize| match of_time.as_slice() {
         [] => false,
+        // Another time constant of it.
+        [one] if *one == number => false,
         [one] if both => jumps(*one) == jumps(number),
         _ => true,
     };
@@ -166,7 +176,9 @@ fn best(
     });
     let leader = simplest(listed, &beside, &possible, level)?;
     let is_of_time = listed.candidate(&beside, leader).hypothesis.is_of_time();
-    let level = match is_of_time && !of_time.is_empty() {
+    // Another time constant explains more once both are sought together, and is judged then.
+    let is_second = of_time.contains(&beside.numbers[leader.scan]);
+    let level = match is_of_time && !of_time.is_empty() && !is_second {
         true => level.min(SECOND_OF_TIME),
         false => level,
     };
@@ -233,18 +245,60 @@ pub(crate) fn contains(model: &Projection, with: &Projection, columns: &[Vec<f64
     columns.iter().all(is_contained)
 }
 
+/// Most rounds in which several shapes settle, and the share of itself that a settled one moves by.
+const MOST_ROUNDS: usize = 12;
+const RESTS: f64 = 1e-3;
+
+/// How many times the change of a round goes on at most, and how exactly that is sought.
+const FARTHEST: f64 = 20.0;
+const EXACT: f64 = 0.02;
+
 /// Seeks each shape again with the other causes in the model.
 pub(crate) fn refine(listed: &Listed, causes: &mut [Chosen]) {
+    let candidate = |cause: &Chosen| &listed.candidates[cause.candidate];
     for k in 0..causes.len() {
-        if !listed.candidates[causes[k].candidate]
-            .hypothesis
-            .has_shape()
-        {
+        if !candidate(&causes[k]).hypothesis.has_shape() {
             continue;
         }
         let beside = listed.beside(&without(causes, k));
         if let Some(score) = beside.score_of(&causes[k]) {
             causes[k] = listed.chosen(&beside, &score);
+        }
+    }
+    let is_continuous = |k: &usize| candidate(&causes[*k]).is_continuous();
+    let continuous: Vec<usize> = (0..causes.len()).filter(is_continuous).collect();
+    if continuous.len() < 2 {
+        return;
+    }
+    // Two time constants hide each other: one at a time creeps, and goes on along the change of the round (Powell 1964).
+    for _ in 0..MOST_ROUNDS {
+        let before: Vec<f64> = continuous.iter().map(|&k| causes[k].shape).collect();
+        for &k in &continuous {
+            let model = listed.with(&without(causes, k));
+            causes[k].shape = candidate(&causes[k]).settled(&model, causes[k].shape);
+        }
+        let ratios: Vec<f64> = continuous
+            .iter()
+            .zip(&before)
+            .map(|(&k, b)| causes[k].shape / b)
+            .collect();
+        let farther = |times: f64| {
+            let mut moved = causes.to_vec();
+            for (&k, ratio) in continuous.iter().zip(&ratios) {
+                moved[k].shape *= ratio.powf(times);
+            }
+            moved
+        };
+        let explained =
+            |times: f64| Fit::new(&listed.base, &listed.columns(&farther(times))).gained();
+        let times = golden_section([0.0, FARTHEST], |a, b| b - a < EXACT, explained);
+        if explained(times) > explained(0.0) {
+            let moved = farther(times);
+            causes.copy_from_slice(&moved);
+        }
+        let rests = |(&k, b): (&usize, &f64)| (causes[k].shape / b - 1.0).abs() < RESTS;
+        if continuous.iter().zip(&before).all(rests) {
+            return;
         }
     }
 }
