@@ -284,7 +284,7 @@ pub(crate) fn own_deviation(request: &Request<'_>, axis: usize, error: &MotionEr
 }
 
 /// In which an axis moves the tool against the workpiece, all others at home.
-fn direction(machine: &Machine, axis: usize) -> Vector3<f64> {
+pub(crate) fn direction(machine: &Machine, axis: usize) -> Vector3<f64> {
     let direction = machine.axes()[axis].direction().into_inner();
     match machine.branch(Branch::Workpiece).contains(&axis) {
         true => -direction,

@@ -1,11 +1,12 @@
 //! Mean slopes of the lines of X, Y and Z through a point: what a matrix can hold.
 
 use nalgebra::Vector3;
+use trueaxis_files::round;
 use trueaxis_kinematics::AxisKind;
 
 use crate::Error;
 use crate::export::Request;
-use crate::export::line::Line;
+use crate::export::line::{Line, direction};
 
 /// A direction this close to a reference direction is that one.
 const ALONG: f64 = 1e-6;
@@ -30,16 +31,24 @@ impl Skew {
         let index = |i: usize| {
             let name = ["X", "Y", "Z"][i];
             let found = machine.axis_index(name).filter(|&axis| {
-                let geometry = &machine.axes()[axis];
-                let off = geometry.direction().into_inner() - Vector3::ith(i, 1.0);
-                geometry.kind() == AxisKind::Linear
-                    && off.norm() < ALONG
-                    && !request.machine.steps(axis).is_empty()
+                let is_linear = machine.axes()[axis].kind() == AxisKind::Linear;
+                is_linear && !request.machine.steps(axis).is_empty()
             });
-            found.ok_or_else(|| {
-                let takes = "the squareness of linear axes X, Y, Z along x, y, z";
-                request.unsuitable(takes, format!("no such axis {name} was measured"))
-            })
+            let takes = "the squareness of linear axes X, Y, Z along x, y, z";
+            let refused = |lacks| request.unsuitable(takes, lacks);
+            let axis =
+                found.ok_or_else(|| refused(format!("no linear axis {name} was measured")))?;
+            let moved = direction(machine, axis);
+            match (moved - Vector3::ith(i, 1.0)).norm() < ALONG {
+                true => Ok(axis),
+                false => {
+                    let [x, y, z] = moved.data.0[0].map(|x| round(x, 3));
+                    let along = format!(
+                        "{name} moves the tool against the workpiece along [{x}, {y}, {z}]"
+                    );
+                    Err(refused(along))
+                }
+            }
         };
         let axes = [index(0)?, index(1)?, index(2)?];
         let mut slopes = [[0.0; 3]; 3];
