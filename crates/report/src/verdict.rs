@@ -6,6 +6,7 @@ use crate::calibration::Calibration;
 use crate::causes::changes;
 use crate::comparison::Comparison;
 use crate::diagnosis::{Diagnosis, Disturbance};
+use crate::locations::Measured;
 use crate::numbers::{fixed, p_value};
 use crate::verification::Verification;
 use crate::words;
@@ -74,6 +75,16 @@ impl Verdict {
                 ),
                 _ => (level, "The readings could not be judged."),
             };
+        }
+        let absurd = calibration.map_or_else(Vec::new, absurd);
+        if !absurd.is_empty() {
+            if level == "good" {
+                (level, sentence) = (
+                    "care",
+                    "The residuals agree with the model, but no machine has such errors: is it as the campaign describes it?",
+                );
+            }
+            reasons.push(format!("{}: see the notices.", absurd.join(", ")));
         }
         if let Some(taken_out) = calibration.and_then(taken_out) {
             if level == "good" {
@@ -155,6 +166,35 @@ impl Consequence {
             said: Some(format!("Without that the results would differ by: {text}.")),
         }
     }
+}
+
+/// Errors above these are more likely mistakes in the campaign, as the notices of `calibrate` say, µm and arcsec.
+const ABSURD_UM: f64 = 1e3;
+const ABSURD_ARCSEC: f64 = 1e3;
+
+/// Errors that no machine has; offsets of rotary axes may be those of the nests of the targets.
+fn absurd(calibration: &Calibration) -> Vec<String> {
+    let locations = calibration.location_errors.iter();
+    let tilts = locations.filter_map(|(name, error)| {
+        let measured = Measured::of(error).filter(|measured| measured.is_angular)?;
+        Some((name, measured.value, true))
+    });
+    let curves = calibration.axes.iter().flat_map(|axis| &axis.components);
+    let curves = curves.filter_map(|(name, curve)| {
+        let largest = curve.values().iter().copied();
+        let largest = largest.max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+        Some((name, largest, curve.is_angular()))
+    });
+    let is_absurd = |(_, value, is_angular): &(&String, f64, bool)| match is_angular {
+        true => value.abs() > ABSURD_ARCSEC,
+        false => value.abs() > ABSURD_UM,
+    };
+    let absurd = tilts.chain(curves).filter(is_absurd);
+    let told = absurd.map(|(name, value, is_angular)| match is_angular {
+        true => format!("{name} is {}°", fixed(value / 3600.0, 2)),
+        false => format!("{name} reaches {} mm", fixed(1e-3 * value, 2)),
+    });
+    told.collect()
 }
 
 fn is_unchecked(calibration: &Calibration) -> bool {

@@ -118,6 +118,14 @@ fn the_verdict_follows_residuals_and_diagnosis() {
         &of(&sound, None),
         &["verdict good", "hidden causes were not sought"],
     );
+    let mut left_handed = calibration();
+    left_handed["location_errors"]["B0C"] = json!({ "value_arcsec": -72202.8, "u_arcsec": 0.2 });
+    let says = [
+        "verdict care",
+        "no machine has such errors",
+        "B0C is −20.06°: see the notices.",
+    ];
+    has(&of(&left_handed, Some("clean")), &says);
     has(
         &of(&sound, Some("clean")),
         &["verdict good", "The calibration is sound"],
