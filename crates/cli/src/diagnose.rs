@@ -28,32 +28,30 @@ const REPLAY: &str = "replay.json";
 pub(crate) fn execute(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
     let campaign = read(&args.campaign)?;
     let mut inputs = checksums(&args.campaign)?;
-    let mut mistakes = Vec::new();
     let diagnosis = match &args.calibration {
         None => diagnose(&campaign, &Settings::default()),
         Some(path) => {
             let calibration = CalibratedMachine::read(path)?;
             inputs.extend(of_calibration(path, &calibration)?);
             // What the campaign has none of is said by the diagnosis.
-            if let Ok(verified) = verify(&calibration, &campaign, args.compensated) {
-                mistakes = mistaken(&verified, args.compensated);
-            }
+            let verified = verify(&calibration, &campaign, args.compensated);
+            let mistakes = mistaken(&verified.unwrap_or_default(), args.compensated);
             let settings = Settings::default();
-            match args.compensated {
+            let judged = match args.compensated {
                 true => {
                     let without = uncompensated(&calibration, &campaign)
                         .map_err(|error| placed(error, path, &args.campaign))?;
                     diagnose_against(&without, &calibration, &settings)
                 }
                 false => diagnose_against(&campaign, &calibration, &settings),
-            }
+            };
+            judged.map(|diagnosis| with_mistakes(diagnosis, mistakes))
         }
     };
     let calibration = args.calibration.as_deref().unwrap_or(&args.campaign);
     let diagnosis = diagnosis.map_err(|error| placed(error, calibration, &args.campaign))?;
     let text = traced(serde_json::from_str(&diagnosis.to_json())?, &inputs, None)?;
     let mut notices: Vec<String> = campaign.notices.clone();
-    notices.extend(mistakes);
     notices.extend(diagnosis.notices.iter().cloned());
     let mut files = vec![("diagnosis.json", text.clone())];
     files.extend(extended_model(&campaign, &diagnosis, &mut notices)?);
@@ -73,6 +71,16 @@ pub(crate) fn execute(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
     Ok(Exit::of_misfit(
         args.fail_on_misfit && diagnosis.verdict.is_misfit(),
     ))
+}
+
+/// A diagnosis that says first what may be mistaken about readings that it judges.
+fn with_mistakes(mut diagnosis: Diagnosis, mut mistakes: Vec<(String, String)>) -> Diagnosis {
+    mistakes.retain(|(name, _)| diagnosis.levels.iter().any(|level| level.data == *name));
+    let said = mistakes
+        .into_iter()
+        .map(|(name, what)| format!("{name}: {what}"));
+    diagnosis.notices.splice(0..0, said);
+    diagnosis
 }
 
 /// The files of the extended model, if the lengths show causes.

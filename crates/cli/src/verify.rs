@@ -1,13 +1,14 @@
 //! `trueaxis verify`.
 
+use serde_json::json;
 use trueaxis_campaign::{VerificationKind, checksums};
 use trueaxis_compensate::{
     Circular, EXPECTED_ABOVE_ONE, ParallelLines, Point, Positioning, Verified, parallel_lines,
     verification_json, verify,
 };
-use trueaxis_files::counted;
+use trueaxis_files::{counted, round, told_behind};
 use trueaxis_kinematics::ARCSEC;
-use trueaxis_predict::CalibratedMachine;
+use trueaxis_predict::{CalibratedMachine, position_in_file};
 
 use crate::args::VerifyArgs;
 use crate::check::read_out;
@@ -24,13 +25,26 @@ pub(crate) fn execute(args: &VerifyArgs) -> anyhow::Result<Exit> {
     let verified = verify(&machine, &campaign, args.compensated);
     let verified = verified.map_err(|error| placed(error, &args.calibration, &args.campaign))?;
     let parallel = parallel_lines(&machine, &verified, args.compensated);
-    let document = verification_json(
+    let mut document = verification_json(
         &machine,
         &campaign.name,
         args.compensated,
         &verified,
         &parallel,
     );
+    let mut notices = campaign.notices.clone();
+    notices.extend(read_out(&campaign));
+    notices.extend(outside_steps(&machine, &verified));
+    notices.extend(
+        verified
+            .iter()
+            .filter_map(|entry| far_off(&machine, entry, args.compensated)),
+    );
+    let mistakes = mistaken(&verified, args.compensated).into_iter();
+    notices.extend(mistakes.map(|(name, what)| format!("{name}: {what}")));
+    if !notices.is_empty() {
+        document["notices"] = json!(notices);
+    }
     let mut inputs = of_calibration(&args.calibration, &machine)?;
     inputs.extend(checksums(&args.campaign)?);
     let text = traced(document, &inputs, None)?;
@@ -44,10 +58,7 @@ pub(crate) fn execute(args: &VerifyArgs) -> anyhow::Result<Exit> {
     let of_entry = |entry| lines(entry, args.compensated);
     say_all(verified.iter().flat_map(of_entry));
     say_all(parallel.iter().flat_map(|found| angles(&machine, found)));
-    notice_all(&campaign.notices);
-    notice_all(read_out(&campaign));
-    notice_all(outside_steps(&machine, &verified));
-    notice_all(mistaken(&verified, args.compensated));
+    notice_all(&notices);
     results.end(args.result.json.then_some(&text))?;
     let is_rejected = verified.iter().any(Verified::is_misfit);
     Ok(Exit::of_misfit(args.fail_on_misfit && is_rejected))
@@ -70,11 +81,43 @@ fn outside_steps(machine: &CalibratedMachine, verified: &[Verified]) -> Vec<Stri
     said.collect()
 }
 
-/// What may be mistaken about readings that contradict their prediction, as notices.
-pub(crate) fn mistaken(verified: &[Verified], is_compensated: bool) -> Vec<String> {
+/// The notice about a place whose reading is likely mistyped.
+fn far_off(machine: &CalibratedMachine, entry: &Verified, is_compensated: bool) -> Option<String> {
+    let (point, off_um) = entry.far_off(is_compensated)?;
+    let axes = machine
+        .machine()
+        .axes()
+        .iter()
+        .zip(&point.positions)
+        .enumerate();
+    let moves = |axis: usize| {
+        entry
+            .points
+            .iter()
+            .any(|p| p.positions[axis].total_cmp(&point.positions[axis]).is_ne())
+    };
+    let at = axes.filter(|(axis, _)| moves(*axis)).map(|(_, (axis, q))| {
+        let unit = told_behind(axis.kind().position_unit(), ' ');
+        format!(
+            "{} = {}{unit}",
+            axis.name(),
+            round(position_in_file(axis.kind(), *q), 4)
+        )
+    });
+    let at: Vec<String> = at.collect();
+    Some(format!(
+        "{}: at {} it is {off_um:+.1} µm off what all others differ by from the prediction, and shifts them with the zero: is a \
+         reading mistyped? `trueaxis diagnose --calibration` names its line",
+        entry.name,
+        at.join(", ")
+    ))
+}
+
+/// What may be mistaken about readings that contradict their prediction, with the name of each verification.
+pub(crate) fn mistaken(verified: &[Verified], is_compensated: bool) -> Vec<(String, String)> {
     let found = verified.iter().filter_map(|entry| {
         let mistaken = entry.mistaken(is_compensated)?;
-        Some(format!("{}: {}", entry.name, mistaken.in_words()))
+        Some((entry.name.clone(), mistaken.in_words().to_owned()))
     });
     found.collect()
 }

@@ -202,6 +202,12 @@ fn judged<'a>(
     (level, explain_curves): (f64, bool),
     outcome: &mut Said,
 ) -> Option<Series<'a>> {
+    if let Some(mistake) = units::mistake(comparison) {
+        outcome.notices.push(format!(
+            "{name}: {mistake}; it is not judged: correct the table first"
+        ));
+        return None;
+    }
     let doubts = [units::doubt(comparison), one_side::doubt(comparison)];
     let doubts = doubts.into_iter().flatten();
     outcome

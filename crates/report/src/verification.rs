@@ -28,6 +28,7 @@ pub(crate) struct Verification {
     compensated: bool,
     expected_above_one: f64,
     verification: Vec<Entry>,
+    notices: Vec<String>,
 }
 
 /// One line or ball bar.
@@ -104,6 +105,7 @@ struct Agreement {
 pub(crate) struct VerificationSection {
     compensated: bool,
     entries: Vec<EntryView>,
+    notices: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -212,6 +214,7 @@ impl VerificationSection {
         Self {
             compensated: verification.compensated,
             entries: entries.map(view).collect(),
+            notices: verification.notices.clone(),
         }
     }
 

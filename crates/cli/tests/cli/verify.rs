@@ -127,9 +127,11 @@ fn readings_of_another_sign_or_unit() {
         (1e3, "are they in nm?"),
         (1e-3, "are they in mm?"),
     ] {
-        let outcome = verify(prepared(factor).path(), &[]);
+        let outcome = verify(prepared(factor).path(), &["--json"]);
         outcome.assert_good();
         assert!(outcome.stderr.contains(asks), "{asks}: {}", outcome.stderr);
+        // In the file as well.
+        assert!(outcome.stdout.contains(asks), "{asks}: {}", outcome.stdout);
     }
     let outcome = verify(prepared(2.0).path(), &[]);
     assert!(!outcome.stderr.contains("agree:"), "{}", outcome.stderr);

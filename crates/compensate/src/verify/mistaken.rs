@@ -1,5 +1,7 @@
 //! Readings that another sign or unit, or the compensation, would bring to the prediction.
 
+use trueaxis_leastsquares::median;
+
 use crate::{Point, Verified};
 
 /// What may be mistaken about readings that contradict a prediction, or agree with it only as far as nobody says that they are better
@@ -43,10 +45,40 @@ impl Mistaken {
     }
 }
 
+/// How much farther off a single place is than most, in their standard deviations and than any other.
+const FAR_OFF: f64 = 15.0;
+const FARTHER: f64 = 3.0;
+
+/// Standard deviation of normal values over their median amount.
+const OF_MEDIAN: f64 = 1.4826;
+
 /// Part of their declared standard uncertainty within which readings in µm never agree with anything.
 const FAR_BELOW: f64 = 0.01;
 
 impl Verified {
+    /// The one place whose readings are far from what all others differ by from their prediction, with how far, µm: a reading is
+    /// mistyped, and shifts all others with the zero.
+    pub fn far_off(&self, is_compensated: bool) -> Option<(&Point, f64)> {
+        let left = self.points.iter();
+        let left: Vec<f64> = left
+            .map(|p| p.reading_um - p.expected_um(is_compensated))
+            .collect();
+        let middle = median(&mut left.clone())?;
+        let mut off: Vec<(&Point, f64)> = self
+            .points
+            .iter()
+            .zip(left.iter().map(|x| x - middle))
+            .collect();
+        off.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+        let spread = median(&mut off.iter().map(|(_, um)| um.abs()).collect::<Vec<f64>>())?;
+        let [first, second, ..] = off.as_slice() else {
+            return None;
+        };
+        let um = first.1.abs();
+        let is_far = um > FAR_OFF * OF_MEDIAN * spread && um > FARTHER * second.1.abs();
+        (off.len() >= LEAST_POINTS && is_far).then_some(*first)
+    }
+
     /// What would leave no more than a quarter of the differences, if anything does; `is_compensated` as in [`crate::verify()`]. Readings
     /// in mm are nothing beside what a compensated machine does, and agree with it: they are told by what they are a thousandth of.
     pub fn mistaken(&self, is_compensated: bool) -> Option<Mistaken> {

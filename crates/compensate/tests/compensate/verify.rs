@@ -202,6 +202,31 @@ fn predictions_agree_as_well_as_they_say() {
     assert!((above as f64) < 0.12 * all as f64);
 }
 
+/// A mistyped reading of five shifts the mean of its place by a fifth of the mistake, and the zero of all others; lines without one have none.
+#[test]
+fn a_mistyped_reading_is_pointed_out() {
+    let scenario = scenario(THREE_AXES);
+    let truth = scenario.true_machine().unwrap();
+    let machine = calibrated(&scenario, false);
+    let mut lines = measured(&truth, None, 0.5, 3);
+    let found = |lines: &[Verification]| -> Vec<Option<(Vec<f64>, f64)>> {
+        let verified = verify(&machine, &campaign(lines.to_vec()), false).unwrap();
+        let far_off = verified.iter().map(|entry| entry.far_off(false));
+        far_off
+            .map(|found| found.map(|(point, um)| (point.positions.clone(), um)))
+            .collect()
+    };
+    assert!(found(&lines).iter().all(Option::is_none));
+    let reading = &mut lines[0].readings[17];
+    reading.value_um -= 300.0;
+    let position = reading.positions.clone();
+    let found = found(&lines);
+    let (at, um) = found[0].clone().unwrap();
+    assert_eq!(at, position);
+    assert!((um + 60.0).abs() < 5.0, "{um}");
+    assert!(found[1..].iter().all(Option::is_none));
+}
+
 /// Eq. 24 is the first order of the bar: they differ by nanometres, and by the second order.
 #[test]
 fn the_bar_to_first_order_and_exactly() {

@@ -191,25 +191,65 @@ fn inches_are_said() {
     }
 }
 
+/// A table whose sign or unit is another one says nothing of the machine, whatever would explain it; one that is as predicted is clean.
+#[test]
+fn a_table_of_another_sign_or_unit_is_not_judged() {
+    let curve = [0.0, 4.0, -3.0, 6.0, 9.0, 2.0, -5.0, 1.0, 7.0];
+    let said = |times: f64| {
+        let mut random: ChaCha8Rng = generator(8, 57);
+        let line = table_of_stops(5, 9, &mut |_, _, stop| {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            times * (curve[stop] + 0.3 * noise)
+        });
+        diagnose_against(
+            &campaign(vec![line]),
+            &with_curve(&curve),
+            &Settings::default(),
+        )
+        .unwrap()
+    };
+    for (times, what) in [
+        (-1.0, "commanded less measured"),
+        (1e-3, "millimetres"),
+        (1e3, "nanometres"),
+    ] {
+        let found = said(times);
+        assert_eq!(found.verdict, Verdict::NotJudged, "{what}");
+        assert!(
+            found.causes.is_empty() && found.notices.iter().any(|n| n.contains(what)),
+            "{:?}",
+            found.notices
+        );
+    }
+    let found = said(1.0);
+    assert_eq!(found.verdict, Verdict::Clean, "{:?}", found.notices);
+}
+
 const SCALE_PPM: f64 = 50.0;
 
 /// A machine whose X has a scale error, known exactly.
 fn with_scale() -> CalibratedMachine {
     let travel_mm = 400.0;
-    let node = |position| Node {
-        position,
+    with_curve(&[0.0, 1e-3 * SCALE_PPM * travel_mm])
+}
+
+/// A machine whose positioning error at equidistant steps of X over 400 mm is known exactly, µm.
+fn with_curve(um: &[f64]) -> CalibratedMachine {
+    let step_mm = 400.0 / (um.len() - 1) as f64;
+    let node = |k: usize| Node {
+        position: step_mm * k as f64,
         direction: None,
     };
-    let longer_mm = SCALE_PPM * 1e-6 * travel_mm;
-    let error = |mm: f64| MotionError::from_vector(&Vector6::x().scale(mm));
+    let error = |um: &f64| MotionError::from_vector(&Vector6::x().scale(1e-3 * um));
     let axis = MeasuredAxis {
         axis: 0,
-        nodes: [0.0, travel_mm].map(node).to_vec(),
-        errors: vec![error(0.0), error(longer_mm)],
+        nodes: (0..um.len()).map(node).collect(),
+        errors: um.iter().map(error).collect(),
         location: LocationError::default(),
         reported: Vec::new(),
     };
-    CalibratedMachine::new(three_axes(), vec![axis], FactoredCovariance::zero(2, 12))
+    let covariance = FactoredCovariance::zero(um.len(), 6 * um.len());
+    CalibratedMachine::new(three_axes(), vec![axis], covariance)
 }
 
 /// There and back with one name for both sides: said where lost motion stands out, and not for what drifts, swings, or walks at
