@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use trueaxis_campaign::{Campaign, Direction};
-use trueaxis_kinematics::ARCSEC;
+use trueaxis_kinematics::{ARCSEC, MICROMETRE};
 use trueaxis_screening::{NoiseBasis, PartEstimate};
 
 /// What the measurement says about itself.
@@ -202,10 +202,7 @@ impl AdjustmentReport {
             return vec![notice.to_owned()];
         }
         if !self.noise_declared {
-            return vec![format!(
-                "the noise is not declared: uncertainties follow from the residuals \
-                 ({degrees_of_freedom} degrees of freedom)"
-            )];
+            return self.undeclared_notices();
         }
         if self.is_contradicted() {
             let notice = format!(
@@ -227,6 +224,42 @@ impl AdjustmentReport {
             )];
         }
         Vec::new()
+    }
+
+    /// What noise is not declared, and what is declared otherwise than the lengths show.
+    fn undeclared_notices(&self) -> Vec<String> {
+        let of_noise = |noise: &NoiseReport| {
+            [
+                ("`length_sigma_um`", noise.length),
+                ("`repeatability_um`", noise.repeatability),
+            ]
+        };
+        let parts: Vec<(&str, PartReport)> = self.noise.iter().flat_map(of_noise).collect();
+        let lacking = parts.iter().filter(|(_, part)| part.declared_mm.is_none());
+        let lacking: Vec<&str> = lacking.map(|(name, _)| *name).collect();
+        let what = match lacking.as_slice() {
+            [one] => *one,
+            _ => "the noise",
+        };
+        let mut notices = vec![format!(
+            "{what} is not declared: uncertainties follow from the residuals ({} degrees of freedom)",
+            self.degrees_of_freedom
+        )];
+        for (name, PartReport { declared_mm, used }) in parts {
+            let (Some(declared_mm), Some(p_value)) = (declared_mm, used.p_value) else {
+                continue;
+            };
+            if p_value < GLOBAL_TEST_LEVEL {
+                notices.push(format!(
+                    "{name} is declared as {} µm, but the lengths show {:.3} ± {:.3} µm ({}), which is used: is it in µm?",
+                    declared_mm / MICROMETRE,
+                    used.sigma_mm / MICROMETRE,
+                    2.0 * used.u_mm / MICROMETRE,
+                    p_in_words(p_value)
+                ));
+            }
+        }
+        notices
     }
 }
 

@@ -92,6 +92,18 @@ fn calibrated_nevertheless() {
             says: &["notice: the noise is not declared"],
         },
         Harmless {
+            name: "half of the accuracy declared, a hundred times too large",
+            change: |files| {
+                files.json(|json| {
+                    json["instrument"] = json!({ "name": "tracker", "length_sigma_um": 26.9 });
+                });
+            },
+            says: &[
+                "notice: `repeatability_um` is not declared",
+                "notice: `length_sigma_um` is declared as 26.9 µm, but the lengths show 0.2",
+            ],
+        },
+        Harmless {
             name: "accuracy declared ten times too good",
             change: |files| {
                 files.set("/instrument/length_sigma_um", json!(0.0269));

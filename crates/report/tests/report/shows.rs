@@ -460,7 +460,7 @@ fn coordinates_have_their_residuals() {
     );
     calibration["adjustment"]["noise_declared"] = json!(false);
     let shown = page(folder.path(), &[("calibration.json", &calibration)]);
-    has(&shown, &["rms residual; noise not declared"]);
+    has(&shown, &["rms residual; not all noise is declared"]);
     assert!(!shown.contains("sigma0"));
     calibration["adjustment"]["rms_residual_um"] = json!(3.1);
     let shown = page(folder.path(), &[("calibration.json", &calibration)]);
