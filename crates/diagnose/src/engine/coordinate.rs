@@ -28,11 +28,19 @@ impl Coordinate {
 
     /// Its prior width as a multiple of that of the other coordinates.
     pub(crate) fn prior(self, spectrum: Spectrum) -> f64 {
-        match self {
-            Self::Geometry(Motion::Displaced(_), _) => spectrum.displaced,
-            Self::Geometry(Motion::Turned(_), Law::Constant) => spectrum.turned_at_home,
-            _ => 1.0,
-        }
+        let Self::Geometry(motion, law) = self else {
+            return 1.0;
+        };
+        let of_motion = match motion {
+            Motion::Displaced(_) => spectrum.displaced,
+            Motion::Turned(_) | Motion::Along => 1.0,
+        };
+        of_motion
+            * match (motion, law) {
+                (Motion::Turned(_), Law::Constant) => spectrum.turned_at_home,
+                (_, Law::CosineTwice | Law::SineTwice) => spectrum.twice_a_turn,
+                _ => 1.0,
+            }
     }
 }
 
@@ -57,6 +65,10 @@ pub(crate) enum Law {
     First,
     /// `u²`; for a rotary axis `sin φ`.
     Second,
+    /// Of a rotary axis: `cos 2φ - 1`.
+    CosineTwice,
+    /// Of a rotary axis: `sin 2φ`.
+    SineTwice,
 }
 
 /// The first parameters of an effect in the catalogue.
@@ -75,12 +87,16 @@ pub(crate) fn scale() -> Vec<Coordinate> {
 /// The geometry of an axis changes: squareness, straightness, bow and tilts. A displacement at home belongs to the
 /// machine, a rotation at home to what the axis carries.
 pub(crate) fn geometry(kind: AxisKind) -> Vec<Coordinate> {
-    let of_turn: &[Law] = match kind {
-        AxisKind::Linear => &[Law::Constant, Law::First],
-        AxisKind::Rotary => &[Law::Constant, Law::First, Law::Second],
+    use Law::{Constant, CosineTwice, First, Second, SineTwice};
+    let [displaced, turned]: [&[Law]; 2] = match kind {
+        AxisKind::Linear => [&[First, Second], &[Constant, First]],
+        AxisKind::Rotary => [
+            &[First, Second, CosineTwice, SineTwice],
+            &[Constant, First, Second, CosineTwice, SineTwice],
+        ],
     };
-    let displaced = (0..3).map(|k| (Motion::Displaced(k), [Law::First, Law::Second].as_slice()));
-    let turned = (0..3).map(|k| (Motion::Turned(k), of_turn));
+    let displaced = (0..3).map(|k| (Motion::Displaced(k), displaced));
+    let turned = (0..3).map(|k| (Motion::Turned(k), turned));
     let by_law = |(motion, laws): (Motion, &'static [Law])| {
         laws.iter()
             .map(move |&law| Coordinate::Geometry(motion, law))
@@ -144,6 +160,8 @@ impl Law {
             (Self::Second, AxisKind::Linear) => u * u,
             (Self::First, AxisKind::Rotary) => position.cos() - 1.0,
             (Self::Second, AxisKind::Rotary) => position.sin(),
+            (Self::CosineTwice, _) => (2.0 * position).cos() - 1.0,
+            (Self::SineTwice, _) => (2.0 * position).sin(),
         }
     }
 }

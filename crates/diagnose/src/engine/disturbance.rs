@@ -33,6 +33,7 @@
 //! with time are the same thing under two names, and both are always given.
 
 use trueaxis_effects::{BACKLASH, Layer, Scene, Subject};
+use trueaxis_kinematics::AxisKind;
 use trueaxis_selection::Hypothesis;
 
 use crate::engine::basis::Basis;
@@ -94,18 +95,23 @@ pub(crate) struct Spectrum {
     pub(crate) displaced: f64,
     /// The same of rotations that a stage makes at home, too; 1 for everything else.
     pub(crate) turned_at_home: f64,
+    /// The same of what a rotary axis does twice a turn.
+    pub(crate) twice_a_turn: f64,
 }
 
-/// Both for an axis that mostly tilts, one that is also out of square, and one that hardly tilts. It may tilt at home or not: rotations
-/// that it does not make, which all readings would show, cost much evidence.
-const OF_GEOMETRY: [[f64; 2]; 6] = [
-    [0.5, 0.0],
-    [2.0, 0.0],
-    [8.0, 0.0],
-    [0.5, 1.0],
-    [2.0, 1.0],
-    [8.0, 1.0],
+/// All three for an axis that mostly tilts, one that is also out of square, and one that hardly tilts. It may tilt at home or not:
+/// rotations that it does not make, which all readings would show, cost much evidence.
+const OF_GEOMETRY: [[f64; 3]; 6] = [
+    [0.5, 0.0, 0.0],
+    [2.0, 0.0, 0.0],
+    [8.0, 0.0, 0.0],
+    [0.5, 1.0, 0.0],
+    [2.0, 1.0, 0.0],
+    [8.0, 1.0, 0.0],
 ];
+
+/// The same of a rotary axis that leans twice a turn, too.
+const TWICE_A_TURN: [[f64; 3]; 2] = [[2.0, 0.0, 0.5], [2.0, 1.0, 0.5]];
 
 /// Time and place of a reading.
 #[derive(Debug, Clone, Copy)]
@@ -231,18 +237,22 @@ impl Wanderer {
     }
 
     /// All its priors, equally likely, for courses with this number of stops.
-    pub(crate) fn spectra(self, stops: usize) -> Vec<Spectrum> {
-        let ratios: &[[f64; 2]] = match self.with {
-            With::TimeAndPosition => &OF_GEOMETRY,
-            _ => &[[1.0; 2]],
+    pub(crate) fn spectra(self, scene: &Scene, stops: usize) -> Vec<Spectrum> {
+        let [ratios, twice]: [&[[f64; 3]]; 2] = match (self.with, self.who) {
+            (With::TimeAndPosition, Who::Axis(axis)) => match scene.machine.axes()[axis].kind() {
+                AxisKind::Linear => [&OF_GEOMETRY, &[]],
+                AxisKind::Rotary => [&OF_GEOMETRY, &TWICE_A_TURN],
+            },
+            _ => [&[[1.0; 3]], &[]],
         };
         let lengths = correlation_lengths(stops).into_iter();
         let spectra = lengths.flat_map(|length| {
-            let of_one = ratios.iter();
-            of_one.map(move |&[displaced, turned_at_home]| Spectrum {
+            let of_one = ratios.iter().chain(twice);
+            of_one.map(move |&[displaced, turned_at_home, twice_a_turn]| Spectrum {
                 length,
                 displaced,
                 turned_at_home,
+                twice_a_turn,
             })
         });
         spectra.collect()

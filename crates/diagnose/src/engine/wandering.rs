@@ -267,7 +267,7 @@ fn judge<D: Wanders>(
 ) -> Option<JudgedDisturbance> {
     let columns = whitened(base, adjusted, base.columns_mm(adjusted, wanderer));
     let all = base.here();
-    let spectra = wanderer.spectra(base.stops(wanderer.with));
+    let spectra = wanderer.spectra(base.scene(), base.stops(wanderer.with));
     let roots = spectra
         .iter()
         .map(|&spectrum| wanderer.roots_of_spectrum(base.scene(), &all, spectrum));
@@ -306,7 +306,10 @@ pub(crate) fn of_wandering<D: Wanders>(
     for judged in wandering {
         let own = &judged.disturbance;
         let columns = whitened_columns(base, plain, own);
-        let spectra = own.wanderer.spectra(base.stops(own.wanderer.with)).len();
+        let spectra = own
+            .wanderer
+            .spectra(base.scene(), base.stops(own.wanderer.with))
+            .len();
         let tried = spectra * own.wanderer.of_kind(base.scene());
         let (evidence, next) = beside_one_of(&projection, &columns, tried);
         sum += evidence;
