@@ -6,7 +6,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trueaxis_selection::Projection;
+use trueaxis_selection::{DECISIVE, Projection, ln_f_test};
 
 use crate::engine::{Measured, Suspect, scan};
 use crate::{Gain, HeldOutRatio};
@@ -18,6 +18,8 @@ pub(crate) struct HeldOut {
     pub(crate) before: f64,
     pub(crate) after: f64,
     pub(crate) interval: [f64; 2],
+    /// By how much the squares are more with the causes: minus twice the logarithm of the ratio of the likelihoods.
+    more: f64,
 }
 
 /// Number of readings of a sweep, and its squares without and with the causes.
@@ -43,12 +45,14 @@ impl HeldOut {
             before: rms(sums.iter().map(|s| s.1).sum()),
             after: rms(sums.iter().map(|s| s.2).sum()),
             interval: [ratios[tail], ratios[RESAMPLES - tail - 1]],
+            more: squares.iter().map(|[before, after]| after - before).sum(),
         }
     }
 
-    /// Whether the causes certainly predict worse than nothing.
+    /// Whether the causes certainly predict worse than nothing. Where few sweeps can show a cause, the ratio may be above one in every draw
+    /// by nearly nothing.
     pub(crate) fn is_loss(&self) -> bool {
-        self.interval[0] >= 1.0
+        self.interval[0] >= 1.0 && self.more > DECISIVE
     }
 
     /// Whether the causes certainly predict better than nothing.
@@ -96,7 +100,8 @@ pub(crate) fn resampled_ratios(blocks: &[[f64; 2]], draws: usize, seed: u64) -> 
 
 /// The same causes with shapes and parameters from other data, given a model `plain` of these without causes, and the
 /// residuals with the causes; directions of the parameters that these data hardly show are shrunk
-/// ([`trueaxis_selection::Gram::shrunk`]). A cause that they do not show is left out.
+/// ([`trueaxis_selection::Gram::shrunk`]). A cause that they do not show, at the level of causes, is left out: its values would be those of
+/// noise.
 pub(crate) fn sought_again<D: Measured>(
     data: &D,
     plain: &D::Model,
@@ -108,14 +113,21 @@ pub(crate) fn sought_again<D: Measured>(
         let Some(scan) = scan(data, plain, &projection, suspect.hypothesis) else {
             continue;
         };
-        let mut best: Option<(f64, f64, Vec<f64>)> = None;
+        let mut best: Option<(f64, f64, usize, Vec<f64>)> = None;
+        let mut shapes = 0;
         scan.for_each(&projection.residuals, &mut |tried, gram, s| {
+            shapes += 1;
             let statistic = gram.statistic(s);
             if best.as_ref().is_none_or(|best| statistic > best.1) {
-                best = Some((tried.shape, statistic, gram.shrunk(s)));
+                best = Some((tried.shape, statistic, gram.rank(), gram.shrunk(s)));
             }
         });
-        let Some((shape, _, parameters)) = best else {
+        let (squares, freedom) = (projection.squares(), projection.degrees_of_freedom);
+        let is_shown = |&(_, statistic, rank, _): &(f64, f64, usize, Vec<f64>)| {
+            let ln_p = ln_f_test(statistic, squares, rank, freedom);
+            ln_p + f64::from(shapes).ln() < D::CAUSE_LEVEL.ln()
+        };
+        let Some((shape, _, _, parameters)) = best.filter(is_shown) else {
             continue;
         };
         projection = projection.extended(&scan.columns(shape));

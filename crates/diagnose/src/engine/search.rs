@@ -113,7 +113,9 @@ fn not_its_own<D: Measured>(data: &D, model: &D::Model, found: &[Found]) -> Opti
     let all: f64 = found.iter().map(|f| f.statistic).sum();
     let weakest = found.iter().map(|f| f.statistic).fold(all, f64::min);
     let is_shape = weakest < SHAPE_ERROR * (all - weakest);
-    let is_uncertain = found.iter().any(|f| f.p_value > FURTHER_LEVEL);
+    let is_uncertain = found
+        .iter()
+        .any(|f| f.p_value > FURTHER_LEVEL || f.evidence < 0.0);
     let is_none = is_stacked || is_shape || is_uncertain || opposed(data, model);
     is_none.then_some(weakest)
 }
