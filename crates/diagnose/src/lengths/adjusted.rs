@@ -29,16 +29,21 @@ const RESTS: f64 = 1e-3;
 /// Relative difference of residuals and their projection below which the residuals are already projected.
 const PROJECTED: f64 = 1e-6;
 
+/// Whether a rigid model absorbs nothing more of whitened residuals. It does where something is known beforehand, such as a dead path, or how
+/// the constants of reflectors scatter.
+pub(super) fn is_projected(whitened: &Whitened, residuals: &[f64]) -> bool {
+    let mut again = residuals.to_vec();
+    whitened.project(&mut again);
+    let taken = again.iter().zip(residuals).map(|(a, b)| (a - b).powi(2));
+    taken.sum::<f64>() <= PROJECTED.powi(2) * dot(residuals, residuals)
+}
+
 impl Adjusted {
-    /// Whether the rigid model absorbs nothing more of its residuals. It does absorb more where something is known
-    /// beforehand, such as a dead path.
+    /// Whether the rigid model absorbs nothing more of its residuals.
     pub(super) fn is_projected(&self) -> bool {
         let mut residuals = self.solution.residuals_mm.clone();
         self.whitened.whiten(&mut residuals);
-        let mut again = residuals.clone();
-        self.whitened.project(&mut again);
-        let taken = again.iter().zip(&residuals).map(|(a, b)| (a - b).powi(2));
-        taken.sum::<f64>() <= PROJECTED.powi(2) * dot(&residuals, &residuals)
+        is_projected(&self.whitened, &residuals)
     }
 
     /// The same with another projection and without causes.

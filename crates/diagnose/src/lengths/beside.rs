@@ -12,7 +12,7 @@ use crate::Error;
 use crate::engine::coordinate::{self, Coordinate};
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, Who, With};
 use crate::engine::{Suspect, Wanders};
-use crate::lengths::adjusted::Adjusted;
+use crate::lengths::adjusted::{Adjusted, is_projected};
 use crate::lengths::base::Base;
 use crate::lengths::omnibus::travelled;
 
@@ -145,7 +145,10 @@ impl Base<'_> {
 
     /// The projection without causes, with disturbances in the covariance.
     pub(crate) fn before_causes(&self, whitened: &Whitened, solution: &Solution) -> Projection {
-        let mut projection = Projection::of_network(whitened);
+        let mut projection = Projection {
+            is_soft: !is_projected(whitened, &whitened.residuals),
+            ..Projection::of_network(whitened)
+        };
         let all = match self.disturbances.is_empty() {
             true => Vec::new(),
             false => self.here(),
