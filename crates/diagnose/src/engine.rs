@@ -62,7 +62,9 @@ pub(crate) use competition::{
 pub(crate) use culprit::{Culprit, Culprits};
 pub(crate) use estimated::{ByShape, cause, derivative, with_uncertainties};
 pub(crate) use held_out::{FOLDS, HeldOut, Sums, resampled_ratios, sought_again};
-pub(crate) use hypotheses::{duration_s, in_equal_ratios, is_tested, of_catalogue, scan, scans};
+pub(crate) use hypotheses::{
+    busy_s, duration_s, in_equal_ratios, is_tested, of_catalogue, scan, scans,
+};
 pub(crate) use measured::{Found, Measured, Suspect, are_two};
 pub(crate) use omnibus::{
     Family, MOST_OF_FREEDOM, OMNIBUS_LEVEL, Omnibus, family_wise, is_imitation, still_left,

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 use trueaxis_campaign::Campaign;
 use trueaxis_effects::{Effect, Scene, Shape, Subject, catalogue};
+use trueaxis_leastsquares::median;
 use trueaxis_selection::{FixedScan, Hypothesis, Projection, Scan, StepScan, VisitTimes};
 
 use crate::engine::Measured;
@@ -133,6 +134,18 @@ fn leave_before_out(column: &mut [f64], is_after: &dyn Fn(usize) -> bool) {
 pub(crate) fn in_equal_ratios(first: f64, ratio: f64, count: i32) -> Vec<f64> {
     let all = (0..count).map(|k| first * ratio.powi(k));
     all.filter(|value| *value > 0.0).collect()
+}
+
+/// Pauses are most of the time if less than this part of it is left without them.
+const MOSTLY_READ: f64 = 0.5;
+
+/// The duration, s; where pauses, as over a night, are most of it, the median time from one visit to the next for each.
+pub(crate) fn busy_s(visits: &[VisitTimes]) -> f64 {
+    let steps = visits.windows(2).map(|v| v[1].span_s[0] - v[0].span_s[0]);
+    let busy_s = median(&mut steps.collect::<Vec<_>>()).map(|step_s| step_s * visits.len() as f64);
+    let duration_s = duration_s(visits);
+    let without_pauses = busy_s.filter(|&busy_s| 0.0 < busy_s && busy_s < MOSTLY_READ * duration_s);
+    without_pauses.unwrap_or(duration_s)
 }
 
 /// Duration from the first to the last reading, s.

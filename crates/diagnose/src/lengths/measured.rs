@@ -4,13 +4,13 @@ use trueaxis_effects::{Layer, Scene, Shape};
 use trueaxis_selection::{DECISIVE, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
 use crate::Error;
-use crate::engine::{Culprit, Measured, Suspect, duration_s, in_equal_ratios, plausible};
+use crate::engine::{Culprit, Measured, Suspect, busy_s, duration_s, in_equal_ratios, plausible};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::swapped::swapped;
 
 /// Time constants to try, in equal ratios from a hundredth of the campaign, or of the longest occupation of a
-/// station, to twice its length.
+/// station, without long pauses, to twice its length.
 const TIME_CONSTANTS: i32 = 24;
 const SHORTEST: f64 = 0.01;
 const TIME_CONSTANT_RATIO: f64 = 1.26;
@@ -70,20 +70,27 @@ impl Measured for Base<'_> {
     }
 
     fn shapes(&self, shape: Shape) -> Vec<f64> {
-        let of_campaign_s = || duration_s(&self.visits());
+        let visits = self.visits();
+        let parts: Vec<Vec<VisitTimes>> = match shape {
+            Shape::SettlingTime => {
+                let station = |visit: &VisitTimes| self.readings[visit.rows.start].station;
+                let of_one = |one| visits.iter().filter(move |v| station(v) == one).cloned();
+                let stations = 0..self.scene.stations.len();
+                stations.map(|one| of_one(one).collect()).collect()
+            }
+            _ => vec![visits],
+        };
+        let longest = |time_s: fn(&[VisitTimes]) -> f64| {
+            parts.iter().map(|part| time_s(part)).fold(0.0, f64::max)
+        };
+        let (busy_s, duration_s) = (longest(busy_s), longest(duration_s));
+        let list = |ratio: f64, count: i32| {
+            let wider = (duration_s / busy_s).powf(1.0 / f64::from(count - 1));
+            in_equal_ratios(busy_s * SHORTEST, ratio * wider, count)
+        };
         match shape {
-            Shape::Lag => {
-                let behind = in_equal_ratios(of_campaign_s() * SHORTEST, LAG_RATIO, LAGS);
-                [vec![0.0], behind].concat()
-            }
-            shape => {
-                let elapsed = self.readings.iter().map(|r| r.occupation_elapsed_s);
-                let duration_s = match shape {
-                    Shape::SettlingTime => elapsed.fold(0.0, f64::max),
-                    _ => of_campaign_s(),
-                };
-                in_equal_ratios(duration_s * SHORTEST, TIME_CONSTANT_RATIO, TIME_CONSTANTS)
-            }
+            Shape::Lag => [vec![0.0], list(LAG_RATIO, LAGS)].concat(),
+            _ => list(TIME_CONSTANT_RATIO, TIME_CONSTANTS),
         }
     }
 

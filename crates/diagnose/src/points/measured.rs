@@ -4,11 +4,11 @@ use trueaxis_effects::{Parameter, Scene, Shape};
 use trueaxis_selection::{ALIKE, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
 use crate::Error;
-use crate::engine::{Culprit, Measured, Suspect, in_equal_ratios};
+use crate::engine::{Culprit, Measured, Suspect, busy_s, in_equal_ratios};
 use crate::points::base::Base;
 use crate::points::model::Model;
 
-/// Time constants to try, in equal ratios from a hundredth of the campaign, but at least three stops, to three times its length.
+/// Time constants to try, in equal ratios from a hundredth of the campaign without long pauses, but at least three stops, to three times its length.
 const TIME_CONSTANTS: i32 = 20;
 const SHORTEST: f64 = 0.01;
 const LONGEST: f64 = 3.0;
@@ -69,8 +69,9 @@ impl Measured for Base<'_> {
     fn shapes(&self, _: Shape) -> Vec<f64> {
         let elapsed = self.readings.all.iter().map(|r| r.elapsed_s);
         let duration_s = elapsed.fold(0.0, f64::max);
-        let between = duration_s / self.readings.stops.len() as f64;
-        let shortest = (SHORTEST * duration_s).max(LEAST_STOPS * between);
+        let busy_s = busy_s(&self.visits());
+        let between = busy_s / self.readings.stops.len() as f64;
+        let shortest = (SHORTEST * busy_s).max(LEAST_STOPS * between);
         let ratio = (LONGEST * duration_s / shortest).powf(1.0 / f64::from(TIME_CONSTANTS - 1));
         in_equal_ratios(shortest, ratio, TIME_CONSTANTS)
     }
