@@ -6,7 +6,7 @@
 //!
 //! where `x` are the unknowns of a group with free points; deformations of bodies are among the shared unknowns `s`.
 
-use nalgebra::{DMatrix, DVector, Point3, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::bodies::Deformations;
 use crate::{Corrections, Network, Solution};
@@ -61,12 +61,12 @@ impl Solution {
         for (k, pair) in pairs.iter().enumerate() {
             let (beam_mm, of_group, of_shape) = match *pair {
                 Pair::OfBody { body, places } => {
-                    let beam_mm = between(&self.shapes_mm[body], places);
+                    let beam_mm = self.shapes_mm[body][places[0]] - self.shapes_mm[body][places[1]];
                     (beam_mm, None, deformed(network, body, places, beam_mm))
                 }
                 Pair::OfGroup { group, points } => {
                     let own = &self.points_mm[network.groups[group].clone()];
-                    let beam_mm = between(own, points);
+                    let beam_mm = own[points[0]] - own[points[1]];
                     let mut h = DVector::zeros(3 * own.len());
                     for (point, sign) in points.into_iter().zip([1.0, -1.0]) {
                         h.fixed_rows_mut::<3>(3 * point)
@@ -116,10 +116,6 @@ impl Distances {
     }
 }
 
-fn between(points: &[Point3<f64>], [a, b]: [usize; 2]) -> Vector3<f64> {
-    points[a] - points[b]
-}
-
 /// Effect of the deformations of a body on the distance between two points.
 fn deformed(
     network: &Network,
@@ -129,10 +125,7 @@ fn deformed(
 ) -> Vec<(usize, f64)> {
     let all = Deformations::new(network);
     let unit = beam_mm.normalize();
-    let place = |deformation: &DVector<f64>, p: usize| -> Vector3<f64> {
-        deformation.fixed_rows::<3>(3 * p).into_owned()
-    };
     let own = all.of_bodies[body].iter();
-    let along = own.map(|d| unit.dot(&(place(d, a) - place(d, b))));
+    let along = own.map(|d| unit.dot(&(d.fixed_rows::<3>(3 * a) - d.fixed_rows::<3>(3 * b))));
     (all.first[body]..).zip(along).collect()
 }

@@ -99,16 +99,12 @@ impl Network {
         let mut finite = true;
         for (i, visit) in self.visits.iter().enumerate() {
             if visit.station >= self.stations.len() || visit.group >= self.groups.len() {
-                return malformed(format!(
-                    "visit {i} names a station or group that is not there"
-                ));
+                return malformed(format!("visit {i} has no such station or group"));
             }
             let points = self.groups[visit.group].len();
             for reading in self.readings_of(visit) {
                 if reading.point >= points {
-                    return malformed(format!(
-                        "visit {i} reads a point that its group does not have"
-                    ));
+                    return malformed(format!("visit {i} reads a point that is not there"));
                 }
                 finite &= reading.length_mm.is_finite();
             }
@@ -141,9 +137,8 @@ impl Network {
         if let Some(returns) = &self.returns {
             let (count, groups) = (returns.len(), self.groups.len());
             if count != groups || !returns.iter().all(|r| r.variance_ratio >= 0.0) {
-                return malformed(format!(
-                    "{count} returns, or a negative one, for {groups} groups"
-                ));
+                let what = format!("{count} returns, or a negative one, for {groups} groups");
+                return malformed(what);
             }
         }
         if let Some(reflectors) = &self.reflectors {

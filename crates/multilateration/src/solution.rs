@@ -101,7 +101,8 @@ impl Solution {
     /// Covariance of a station and its dead path: x y z L, mm².
     pub fn station_covariance(&self, station: usize) -> Matrix4<f64> {
         let first = PER_STATION * station;
-        Matrix4::from_fn(|i, j| self.covariance.shared()[(first + i, first + j)])
+        let shared = self.covariance.shared();
+        shared.fixed_view::<4, 4>(first, first).into_owned()
     }
 
     /// By how much one dead path is longer than another, with the standard uncertainty, mm. Dead paths are numbered
@@ -158,9 +159,8 @@ impl Solution {
     fn contrasts_mm(&self) -> Vec<f64> {
         let constants = || self.reflectors_mm.iter().enumerate();
         let of = |m: usize| constants().map(|(r, k)| contrast(r, m) * k).sum();
-        (0..self.reflectors_mm.len().saturating_sub(1))
-            .map(of)
-            .collect()
+        let contrasts = 0..self.reflectors_mm.len().saturating_sub(1);
+        contrasts.map(of).collect()
     }
 
     /// The part of the lengths in [`Solution::squares`] and in the redundancy, without that of what is known beside

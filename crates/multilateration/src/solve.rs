@@ -277,12 +277,9 @@ pub(crate) fn batches_of(network: &Network) -> Result<Arc<Vec<Batch>>, Error> {
             used[visit.station] = !visit.readings.is_empty();
         }
     }
-    let found = used.iter().filter(|&&used| used).count();
-    if found < MIN_STATIONS {
-        return Err(Error::TooFewStations {
-            need: MIN_STATIONS,
-            found,
-        });
+    let (need, found) = (MIN_STATIONS, used.iter().filter(|&&used| used).count());
+    if found < need {
+        return Err(Error::TooFewStations { need, found });
     }
     if let Some(station) = used.iter().position(|used| !used) {
         return Err(Error::StationWithoutReadings { station });

@@ -64,10 +64,8 @@ pub(crate) fn start(network: &Network) -> Result<Start, Error> {
             cloud = Cloud::new(&rest);
             fits = find_station(&rest, &cloud, network.stations[j]);
         }
-        let Some(&fit) = fits
-            .first()
-            .filter(|fit| fit.rms_mm <= NO_FIT * cloud.radius_mm)
-        else {
+        let is_good = |fit: &&StationFit| fit.rms_mm <= NO_FIT * cloud.radius_mm;
+        let Some(&fit) = fits.first().filter(is_good) else {
             let rms_mm = fits.first().map_or(f64::INFINITY, |fit| fit.rms_mm);
             return Err(Error::NoStart {
                 station: j,

@@ -169,9 +169,8 @@ impl Placed {
     /// nominal.
     fn best_fit(&self, shape_mm: &[Point3<f64>], points: &[Point3<f64>]) -> Isometry3<f64> {
         let home = |k: usize| shape_mm[self.places[k]];
-        let sum = (0..points.len())
-            .map(|k| home(k).coords)
-            .sum::<Vector3<f64>>();
+        let homes = (0..points.len()).map(|k| home(k).coords);
+        let sum: Vector3<f64> = homes.sum();
         let (home_centre, centre) = (sum / points.len() as f64, centroid(points));
         let mut products = Matrix3::zeros();
         for (k, p) in points.iter().enumerate() {

@@ -181,11 +181,7 @@ impl Trials {
     /// # Panics
     /// If `errors` does not hold [`Trials::errors`] numbers.
     pub fn draw<R: Rng + ?Sized>(&self, rng: &mut R, errors: &mut [f64]) {
-        assert_eq!(
-            errors.len(),
-            self.errors(),
-            "one error for all that is observed"
-        );
+        assert_eq!(errors.len(), self.errors(), "an error for each observation");
         let (errors_mm, known) = errors.split_at_mut(self.noise.readings());
         known.fill_with(|| rng.sample(StandardNormal));
         self.noise.draw(rng, errors_mm);
@@ -200,11 +196,7 @@ impl Trials {
     /// # Panics
     /// If `errors` does not hold [`Trials::errors`] numbers.
     pub fn solve<'w>(&self, errors: &[f64], workspace: &'w mut Workspace) -> &'w Corrections {
-        assert_eq!(
-            errors.len(),
-            self.errors(),
-            "one error for all that is observed"
-        );
+        assert_eq!(errors.len(), self.errors(), "an error for each observation");
         in_widest_registers(
             #[inline(always)]
             || self.fill(errors, workspace),

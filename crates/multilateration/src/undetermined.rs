@@ -9,44 +9,43 @@ use crate::{Error, Network, StationUnknown};
 
 /// The error with the indices of the network.
 pub(crate) fn named(network: &Network, error: LeastSquaresError) -> Error {
+    let not_determined = |group: usize, lengths: usize, pivot: f64, limit: f64, of_point: Error| {
+        let of_pose = Error::PoseNotDetermined {
+            group,
+            lengths,
+            pivot,
+            limit,
+        };
+        network.body_of(group).map_or(of_point, |_| of_pose)
+    };
     match error {
         LeastSquaresError::BlockRank {
             block: group,
             unknown,
             pivot,
             limit,
-        } => match network.body_of(group) {
-            Some(_) => Error::PoseNotDetermined {
-                group,
-                lengths: lengths_of(network, group),
-                pivot,
-                limit,
-            },
-            None => Error::PointNotDetermined {
+        } => {
+            let of_point = Error::PointNotDetermined {
                 group,
                 point: unknown / 3,
                 pivot,
                 limit,
-            },
-        },
+            };
+            not_determined(group, lengths_of(network, group), pivot, limit, of_point)
+        }
         LeastSquaresError::TooFewRows {
             block: group,
             rows,
             unknowns,
-        } => match network.body_of(group) {
-            Some(_) => Error::PoseNotDetermined {
-                group,
-                lengths: rows,
-                pivot: 0.0,
-                limit: BLOCK_RANK_TOL,
-            },
-            None => Error::PointSeenTooRarely {
+        } => {
+            let of_point = Error::PointSeenTooRarely {
                 group,
                 point: network.groups[group].len().saturating_sub(1),
                 seen: rows / unknowns.div_ceil(3).max(1),
                 need: MIN_STATIONS_PER_POINT,
-            },
-        },
+            };
+            not_determined(group, rows, 0.0, BLOCK_RANK_TOL, of_point)
+        }
         LeastSquaresError::SharedRank {
             defect,
             eigenvalue,
