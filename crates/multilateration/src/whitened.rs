@@ -17,8 +17,7 @@ use crate::{Network, Solution};
 
 /// The whitened rows of an adjusted network, visit after visit in measuring order.
 ///
-/// A visit has as many rows as readings. Within a visit the rows have an order of their own, which
-/// [`Whitened::whiten`] knows.
+/// A visit has as many rows as readings, in the order of its points, which [`Whitened::whiten`] knows.
 #[derive(Debug, Clone)]
 pub struct Whitened {
     /// The group of each row.
@@ -51,11 +50,24 @@ pub struct Whitened {
 impl Whitened {
     /// The rows of a network; `solution` must be the network's.
     pub fn new(network: &Network, solution: &Solution) -> Self {
-        let influence = BatchInfluence::new(network, solution);
-        let rows = network.readings.len();
         let factors = &solution.covariance.factors;
         let sizes = (0..network.groups.len()).map(|g| factors.unknowns(g));
-        let (own_width, shared_width) = (sizes.max().unwrap_or(0), influence.width());
+        let widths = (sizes.max().unwrap_or(0), factors.width());
+        Self::with_columns(network, solution, widths)
+    }
+
+    /// The same without `O` and `T`, which are most of it: visits are whitened, and nothing is absorbed.
+    pub fn of_visits(network: &Network, solution: &Solution) -> Self {
+        Self::with_columns(network, solution, (0, 0))
+    }
+
+    fn with_columns(
+        network: &Network,
+        solution: &Solution,
+        (own_width, shared_width): (usize, usize),
+    ) -> Self {
+        let influence = BatchInfluence::new(network, solution);
+        let rows = network.readings.len();
         let weight_starts = network.factor_starts();
         let mut whitened = Self {
             group_of_row: vec![0; rows],
@@ -64,7 +76,7 @@ impl Whitened {
             own: vec![0.0; rows * own_width],
             shared_width,
             shared: vec![0.0; rows * shared_width],
-            reduced_inverse: influence.sigma().as_slice().to_vec(),
+            reduced_inverse: influence.sigma().as_slice()[..shared_width * shared_width].to_vec(),
             residuals: vec![0.0; rows],
             degrees_of_freedom: solution.degrees_of_freedom(),
             visits: network.visits.iter().map(|v| v.readings.clone()).collect(),
@@ -166,19 +178,15 @@ impl Whitened {
         }
     }
 
-    /// Row `i` of `L⁻¹` of a visit, up to the diagonal.
-    fn weight_row(&self, visit: usize, i: usize) -> &[f64] {
-        &self.weights[self.weight_starts[visit]..][factor_len(i)..factor_len(i + 1)]
-    }
-
     /// Writes a whitened unit error of a reading of a visit: an element for each row of the visit.
     pub fn unit_error(&self, visit: usize, reading: usize, unit: &mut Vec<f64>) {
         unit.clear();
         let rows = self.visits[visit].clone();
         let place = |row: usize| self.reading_of_row[row] == reading;
         let column = rows.clone().position(place);
+        let weights = &self.weights[self.weight_starts[visit]..];
         let element = |i: usize| {
-            let row = self.weight_row(visit, i);
+            let row = &weights[factor_len(i)..factor_len(i + 1)];
             column.and_then(|column| row.get(column)).copied()
         };
         unit.extend((0..rows.len()).map(|i| element(i).unwrap_or_default()));

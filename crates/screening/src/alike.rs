@@ -13,9 +13,9 @@
 
 use std::collections::HashMap;
 
-use nalgebra::{DMatrix, DVector, Point3, Vector3};
+use nalgebra::DVector;
 use trueaxis_leastsquares::f_upper_tail;
-use trueaxis_multilateration::{Network, Solution, Visit};
+use trueaxis_multilateration::{Network, Solution, Visit, Whitened};
 
 /// Degrees of freedom on either side below which nothing is said.
 const LEAST_DEGREES: f64 = 10.0;
@@ -34,10 +34,10 @@ pub struct Alike {
     pub p_value: f64,
 }
 
-/// What the repeats of a network have alike, if it is more than chance gives them.
-pub fn alike(network: &Network, solution: &Solution) -> Option<Alike> {
-    let stop = |visit: &Visit| (visit.station, points(network, visit));
-    let mut of_stop: HashMap<(usize, Vec<usize>), Vec<&Visit>> = HashMap::new();
+/// What the repeats of a network have alike, if it is more than chance gives them; `rows` are those of its visits.
+pub fn alike(network: &Network, solution: &Solution, rows: &Whitened) -> Option<Alike> {
+    let stop = |visit: &Visit| (visit.station, visit.group, points(network, visit));
+    let mut of_stop: HashMap<_, Vec<&Visit>> = HashMap::new();
     for visit in &network.visits {
         of_stop.entry(stop(visit)).or_default().push(visit);
     }
@@ -46,7 +46,7 @@ pub fn alike(network: &Network, solution: &Solution) -> Option<Alike> {
     for visit in &network.visits {
         let repeats = &of_stop[&stop(visit)];
         if repeats.len() > 1 && repeats[0].readings == visit.readings {
-            within += differences(network, solution, repeats)?;
+            within += differences(rows, repeats);
             of_within += ((repeats.len() - 1) * visit.readings.len()) as f64;
         }
     }
@@ -65,50 +65,19 @@ pub fn alike(network: &Network, solution: &Solution) -> Option<Alike> {
     })
 }
 
-/// The points of a visit.
-fn points(network: &Network, visit: &Visit) -> Vec<usize> {
+/// The points of a visit, in the order of its rows.
+pub(crate) fn points(network: &Network, visit: &Visit) -> Vec<usize> {
     let readings = network.readings[visit.readings.clone()].iter();
-    readings
-        .map(|reading| network.point(visit.group, reading.point))
-        .collect()
+    let mut points: Vec<usize> = readings.map(|reading| reading.point).collect();
+    points.sort_unstable();
+    points
 }
 
-/// `Σ (v_i - v̄)ᵀ C⁻¹ (v_i - v̄)` of visits of one stop.
-fn differences(network: &Network, solution: &Solution, repeats: &[&Visit]) -> Option<f64> {
+/// `Σ (v_i - v̄)ᵀ C⁻¹ (v_i - v̄)` of visits of one stop, which have the same weights.
+fn differences(rows: &Whitened, repeats: &[&Visit]) -> f64 {
     let residuals =
-        |visit: &&Visit| DVector::from_column_slice(&solution.residuals_mm[visit.readings.clone()]);
+        |visit: &&Visit| DVector::from_column_slice(&rows.residuals[visit.readings.clone()]);
     let all: Vec<DVector<f64>> = repeats.iter().map(residuals).collect();
     let mean = all.iter().sum::<DVector<f64>>() / all.len() as f64;
-    let factor = noise_of(network, solution, repeats[0]).cholesky()?;
-    let of_one = |v: &DVector<f64>| {
-        let difference = v - &mean;
-        difference.dot(&factor.solve(&difference))
-    };
-    Some(all.iter().map(of_one).sum())
-}
-
-/// Covariance of the lengths of a visit, mm².
-pub(crate) fn noise_of(network: &Network, solution: &Solution, visit: &Visit) -> DMatrix<f64> {
-    let station_mm = solution.stations[visit.station].position_mm;
-    let points = points(network, visit).into_iter();
-    let places: Vec<Point3<f64>> = points.map(|p| solution.points_mm[p]).collect();
-    let beams: Vec<Vector3<f64>> = places.iter().map(|place| place - station_mm).collect();
-    let own = network.returns.as_ref().map(|all| all[visit.group]);
-    let lever = |place: &Point3<f64>| own.map_or(0.0, |own| own.lever_mm(station_mm, *place));
-    let levers: Vec<f64> = places.iter().map(lever).collect();
-    let returns = network.noise.repeatability_mm.powi(2);
-    let on_bed = network.bed == Some(visit.group);
-    DMatrix::from_fn(beams.len(), beams.len(), |i, k| {
-        let together = match on_bed {
-            true => 0.0,
-            false => {
-                let displaced = beams[i].normalize().dot(&beams[k].normalize());
-                returns
-                    * (displaced * own.map_or(1.0, |own| own.variance_ratio)
-                        + levers[i] * levers[k])
-            }
-        };
-        let own = network.noise.length_sigma_at_mm(beams[i].norm()).powi(2);
-        together + if i == k { own } else { 0.0 }
-    })
+    all.iter().map(|x| (x - &mean).norm_squared()).sum()
 }

@@ -157,12 +157,14 @@ pub(crate) fn level(given: Noise) -> Noise {
     }
 }
 
-/// Improves both parts until they have settled; `None` if they do not settle, or if the lengths do not separate them
-/// there.
+/// Improves both parts until they have settled; `None` if they do not settle, if the lengths do not separate them
+/// there, or if the adjustment does not converge.
 fn settle(adjusted: &mut Weighted<'_>, given: Noise) -> Result<Option<NoiseEstimate>, Error> {
     let start = adjusted.network.noise;
     for _ in 0..MAX_ITERATIONS {
-        let Some(found) = adjusted.solution.variance_components(adjusted.network) else {
+        let is_solved = adjusted.solution.termination.is_converged();
+        let components = || adjusted.solution.variance_components(adjusted.network);
+        let Some(found) = is_solved.then(components).flatten() else {
             return Ok(None);
         };
         let told_apart = found.separation >= LEAST_SEPARATION;

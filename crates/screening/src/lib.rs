@@ -12,7 +12,8 @@
 //!
 //! Noun in: a [`Network`]; noun out: a [`Screened`] network with its solution, the lengths that were removed, the
 //! jumps of zeros, and the noise that the residuals show ([`estimate_noise`]). [`Screened::tests`] says how far
-//! the lengths check each other. Lengths are mm; indices are those of the network that came in.
+//! the lengths check each other. Where groups are steps of [`Axes`], some of these may return worse than others
+//! ([`Axes::returned`]). Lengths are mm; indices are those of the network that came in.
 //!
 //! The adjustment is that of [`trueaxis_multilateration`]. Screening uses only these quantities of its solution: the
 //! tests of all readings and visits ([`Solution::tests`]), the whitened rows of the hat matrix ([`Whitened`]), from
@@ -44,13 +45,13 @@ mod guard;
 mod interruption;
 mod reflector_set;
 mod reliability;
+mod returns;
 mod robust_weights;
 mod screen;
 mod screened;
 mod search;
 mod slow;
 mod step_tests;
-mod turns;
 mod uneven;
 mod unnoticed;
 
@@ -62,9 +63,9 @@ pub use estimate_noise::{
 };
 pub use guard::{MOST_OF_A_PART, MOST_REMOVED, is_concentrated};
 pub use reflector_set::{USUAL_DIFFERENCE_MM, adjust_as_a_set, solve_as_a_set};
-pub use screen::{screen, screen_within};
+pub use returns::{Axes, AxisReturn, Returned, Sweep};
+pub use screen::{is_clean, screen, screen_unless, screen_within};
 pub use screened::{Jump, Removed, Screened, WanderingZero};
 pub use slow::{Slow, slow};
-pub use turns::{Turns, turns};
 pub use uneven::{Scatter, Uneven, uneven, uneven_axes, uneven_lengths, weigh_uneven};
 pub use unnoticed::Unnoticed;

@@ -51,9 +51,28 @@ pub fn screen_within(
     declared: bool,
     most_removed: f64,
 ) -> Result<Screened, Error> {
+    screen_unless(network, declared, most_removed, || None)
+}
+
+/// As [`screen_within`]; where something contradicts the others, `explained` is asked before it is sought.
+///
+/// # Errors
+/// Those of [`screen`].
+pub fn screen_unless(
+    network: &Network,
+    declared: bool,
+    most_removed: f64,
+    explained: impl Fn() -> Option<Screened>,
+) -> Result<Screened, Error> {
     let tried = |noise: Noise| {
         let work = || Search::new(network, noise, declared, most_removed);
-        match screen_by(network, work()?) {
+        let mut first = work()?;
+        if first.suspicious()?
+            && let Some(found) = explained()
+        {
+            return Ok(found);
+        }
+        match screen_by(network, first) {
             // A zero that wanders far looks like many gross errors; cut into pieces it may be acceptable.
             Err(error) if error.is_contradiction() => {
                 let mut work = work()?;
@@ -83,6 +102,17 @@ pub fn screen_within(
 /// Whether an undeclared repeatability may be as large as that.
 fn returns(screened: &Screened) -> bool {
     screened.noise.repeatability.sigma_mm < MOST_RETURN_MM
+}
+
+/// Whether nothing contradicts the others in an adjustment, in the noise that it shows.
+pub fn is_clean(adjusted: &Screened) -> bool {
+    let network = &adjusted.network;
+    let sought = || {
+        let mut work = Search::new(network, network.noise, true, MOST_REMOVED)?;
+        work.go_on_from(adjusted)?;
+        work.suspicious()
+    };
+    sought().is_ok_and(|is_suspicious| !is_suspicious)
 }
 
 fn screen_by(network: &Network, mut work: Search) -> Result<Screened, Error> {

@@ -17,9 +17,9 @@ use std::collections::HashMap;
 
 use nalgebra::DVector;
 use trueaxis_leastsquares::chi_squared_upper_tail;
-use trueaxis_multilateration::{Network, Solution};
+use trueaxis_multilateration::{Network, Whitened};
 
-use crate::alike::noise_of;
+use crate::alike::points;
 use crate::estimate_noise::TOO_GOOD;
 
 /// Probability at which steps are said to be alike: less than one clean campaign in a thousand.
@@ -36,9 +36,10 @@ pub struct Slow {
     pub ratio: f64,
 }
 
-/// How far the misfits of steps are alike, if it is more than chance makes them; `runs` are groups in the order of their steps.
-pub fn slow(network: &Network, solution: &Solution, runs: &[Vec<usize>]) -> Option<Slow> {
-    let means = means(network, solution)?;
+/// How far the misfits of steps are alike, if it is more than chance makes them; `rows` are those of the network's visits, `runs`
+/// groups in the order of their steps.
+pub fn slow(network: &Network, rows: &Whitened, runs: &[Vec<usize>]) -> Option<Slow> {
+    let means = means(network, rows);
     let (mut squares, mut count, mut of_sums) = (0.0, 0.0, 0.0);
     let (mut of_neighbours, mut pairs) = (0.0, 0.0);
     let of_stations =
@@ -52,9 +53,9 @@ pub fn slow(network: &Network, solution: &Solution, runs: &[Vec<usize>]) -> Opti
         squares += sum.norm_squared();
         count += sum.len() as f64;
         let mut before = sum.clone();
-        // A step whose targets are others is none of the row.
+        // A step whose points are others is none of the row.
         for x in steps
-            .filter(|step| step.targets == first.targets)
+            .filter(|step| step.points == first.points)
             .map(Mean::of_visit)
         {
             squares += x.norm_squared();
@@ -84,7 +85,7 @@ pub fn slow(network: &Network, solution: &Solution, runs: &[Vec<usize>]) -> Opti
 /// What a station's visits to a group have in the mean.
 struct Mean {
     /// The points of the group that were read.
-    targets: Vec<usize>,
+    points: Vec<usize>,
     /// Sum of the whitened residuals over the visits, and their number.
     sum: DVector<f64>,
     visits: f64,
@@ -98,24 +99,21 @@ impl Mean {
 }
 
 /// The means for each station and group; visits that read other points than the first are left out.
-fn means(network: &Network, solution: &Solution) -> Option<HashMap<(usize, usize), Mean>> {
+fn means(network: &Network, rows: &Whitened) -> HashMap<(usize, usize), Mean> {
     let mut means: HashMap<(usize, usize), Mean> = HashMap::new();
     for visit in network.visits.iter().filter(|v| !v.readings.is_empty()) {
-        let readings = network.readings[visit.readings.clone()].iter();
-        let targets: Vec<usize> = readings.map(|reading| reading.point).collect();
-        let factor = noise_of(network, solution, visit).cholesky()?.unpack();
-        let residuals = DVector::from_column_slice(&solution.residuals_mm[visit.readings.clone()]);
-        let whitened = factor.solve_lower_triangular(&residuals)?;
+        let points = points(network, visit);
+        let whitened = &rows.residuals[visit.readings.clone()];
         let mean = means.entry((visit.station, visit.group));
         let mean = mean.or_insert_with(|| Mean {
-            sum: DVector::zeros(targets.len()),
-            targets: targets.clone(),
+            sum: DVector::zeros(points.len()),
+            points: points.clone(),
             visits: 0.0,
         });
-        if mean.targets == targets {
-            mean.sum += whitened;
+        if mean.points == points {
+            mean.sum += DVector::from_column_slice(whitened);
             mean.visits += 1.0;
         }
     }
-    Some(means)
+    means
 }

@@ -18,6 +18,7 @@ use trueaxis_leastsquares::median;
 use trueaxis_multilateration::{Network, Solution, solve_from};
 
 use crate::estimate_noise::estimate_noise;
+use crate::returns::Sweep;
 
 /// Median of the amount of a standard normal variable.
 const MEDIAN: f64 = 0.674_489_75;
@@ -291,34 +292,27 @@ fn changes(network: &Network, visits: &[usize], of_visit: impl Fn(usize) -> Vec<
     squares.collect()
 }
 
-/// How the visits to the groups of each axis scatter, over the mean of all visits, where those of one axis plainly scatter more
+/// How the visits of the sweeps of each axis scatter, over the mean of all visits, where those of one axis plainly scatter more
 /// than those of the others, or where it is known that they do; one of an axis that tells nothing.
 pub fn uneven_axes(
     network: &Network,
     solution: &Solution,
-    (axes, axis_of_group): (usize, &[Option<usize>]),
+    (axes, sweeps): (usize, &[Sweep]),
     is_known: bool,
 ) -> Option<Vec<f64>> {
-    let tests = solution.tests(network);
+    let w = solution.tests(network).visits;
+    // One length does not tell its noise from the machine's.
+    let tells = |visit: &usize| network.visits[*visit].readings.len() > 1;
+    let of_sweep = |sweep: &Sweep| {
+        let visits = sweep.visits.iter().copied().filter(tells);
+        let w: Vec<f64> = visits.map(|visit| w[visit]).collect();
+        // Lost motion changes along the axis.
+        let changes = w.windows(3).map(|w| (w[1] - 0.5 * (w[0] + w[2])).powi(2));
+        changes.collect::<Vec<f64>>()
+    };
     let of_axis = |axis: usize| {
-        let visits = network.visits.iter().enumerate();
-        // One length does not tell its noise from the machine's.
-        let own = visits.filter(|(_, visit)| {
-            axis_of_group[visit.group] == Some(axis) && visit.readings.len() > 1
-        });
-        let own: Vec<usize> = own.map(|(number, _)| number).collect();
-        let group = |visit: usize| network.visits[visit].group;
-        // Lost motion changes along the axis, and jumps where it turns back: there a step follows itself.
-        let sweeps = own.windows(3).filter(|three| {
-            let [a, b, c] = [three[0], three[1], three[2]].map(group);
-            a != b && b != c && a != c
-        });
-        let squares: Vec<f64> = sweeps
-            .map(|three| {
-                let [a, b, c] = [three[0], three[1], three[2]].map(|visit| tests.visits[visit]);
-                (b - 0.5 * (a + c)).powi(2)
-            })
-            .collect();
+        let own = sweeps.iter().filter(|sweep| sweep.axis == axis);
+        let squares: Vec<f64> = own.flat_map(of_sweep).collect();
         let count = squares.len();
         Scatter::of(squares, count)
     };

@@ -1,20 +1,21 @@
 //! The adjustment of a campaign's lengths, with errors in the words of the campaign.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 
 use trueaxis_campaign::{Campaign, Direction, Lengths};
 use trueaxis_kinematics::MICROMETRE;
-use trueaxis_multilateration::Network;
+use trueaxis_multilateration::{Network, Whitened};
 use trueaxis_screening::{
-    Alike, Screened, Slow, adjust_as_a_set, alike, scaled, screen_within, slow,
+    Alike, Screened, Slow, adjust_as_a_set, alike, scaled, screen_unless, slow,
 };
 
 use crate::Error;
 use crate::lengths::network::{CampaignNetwork, Group, network_from_campaign};
 use crate::lengths::refused::{contradictory, screening_error};
-use crate::lengths::returns::Returns;
+use crate::lengths::returns::axes_of;
 use crate::lengths::scale::Scale;
-use crate::lengths::side_by_side::side_by_side;
+use crate::lengths::side_by_side::{side_by_side, sides_alone};
 use crate::report::KnownMisfit;
 use crate::settings::{Method, Settings};
 
@@ -63,11 +64,20 @@ impl<'a> LengthsAdjustment<'a> {
         }
         let declared = campaign.instrument.declares_noise();
         let reflectors_known = network.reflectors.clone();
+        let sides = Cell::new(false);
+        let of_sides = |network: &Network| {
+            let axes = axes_of((campaign, lengths), (network, &groups), settings);
+            let found = sides_alone((campaign, lengths), &axes, settings);
+            sides.set(found.is_some());
+            found
+        };
         let adjusted = adjust_as_a_set(
             &mut network,
             |screened: &Screened| &screened.solution,
             |network| match settings.robust {
-                true => screen_within(network, declared, settings.most_removed),
+                true => screen_unless(network, declared, settings.most_removed, || {
+                    of_sides(network)
+                }),
                 false => Screened::plain(network, declared),
             },
         );
@@ -75,13 +85,19 @@ impl<'a> LengthsAdjustment<'a> {
             // Whether the constants are known was not found out.
             network.reflectors = reflectors_known;
         }
-        let returns = Returns::new(campaign, lengths, (&network, &groups));
-        let found = returns.found(settings, adjusted.as_ref());
-        let (ratios, adjusted) = match found {
+        let axes = axes_of((campaign, lengths), (&network, &groups), settings);
+        let is_asked = settings.robust && !settings.asks_why && !sides.get();
+        let found = is_asked.then(|| axes.returned(adjusted.as_ref()));
+        let (ratios, adjusted) = match found.flatten() {
             Some((ratios, found)) => (ratios, Ok(found)),
             None => (Vec::new(), adjusted),
         };
-        let apart = side_by_side(&returns, settings, &ratios, adjusted.as_ref());
+        let apart = side_by_side(
+            (campaign, lengths),
+            &axes,
+            settings,
+            (&ratios, adjusted.as_ref()),
+        );
         let screened = apart.map_or(adjusted, Ok);
         let screened =
             screened.map_err(|error| screening_error(campaign, lengths, &groups, error))?;
@@ -140,8 +156,9 @@ impl<'a> LengthsAdjustment<'a> {
         if self.settings.asks_why {
             return Ok(());
         }
-        self.alike = alike(network, solution);
-        self.slow = slow(network, solution, &self.runs());
+        let rows = Whitened::of_visits(network, solution);
+        self.alike = alike(network, solution, &rows);
+        self.slow = slow(network, &rows, &self.runs());
         if let Some(alike) = &self.alike {
             let noise = scaled(network.noise, alike.factor, alike.factor);
             self.screened = self.solved_again(Network {

@@ -137,10 +137,7 @@ pub fn length_circumstances(
             place_of.insert((step, group.direction, target), (g, point));
         }
     }
-    let key = |stop: &Stop| {
-        let run = campaign.steps[stop.step].run;
-        (stop.station, stop.repeat, run, stop.direction)
-    };
+    let key = |stop: &Stop| sweep_of(campaign, stop);
     let sweeps = lengths.stops.chunk_by(|a, b| key(a) == key(b));
     let (mut before, mut sweep_of_occupation) = (None, 0);
     let mut all = Vec::with_capacity(kept.len());
@@ -190,6 +187,12 @@ pub fn length_circumstances(
         }
     }
     all
+}
+
+/// What stops that follow each other share in one sweep: station, repeat, run and side of approach.
+pub(crate) fn sweep_of(campaign: &Campaign, stop: &Stop) -> (usize, u32, Option<usize>, Direction) {
+    let run = campaign.steps[stop.step].run;
+    (stop.station, stop.repeat, run, stop.direction)
 }
 
 /// From the first to the last of some readings, s.

@@ -2,10 +2,11 @@
 
 use trueaxis_kinematics::{ARCSEC, Axis, MICROMETRE};
 use trueaxis_leastsquares::chi_squared_upper_tail;
-use trueaxis_screening::{Jump, NoiseBasis, PartEstimate, WanderingZero, uneven_lengths};
+use trueaxis_screening::{
+    AxisReturn, Jump, NoiseBasis, PartEstimate, WanderingZero, uneven_lengths,
+};
 
 use crate::lengths::LengthsAdjustment;
-use crate::lengths::returns::AxisReturn;
 use crate::report::{
     AdjustmentReport, InterruptedOccupation, NoiseReport, PartReport, RejectedLength,
     approached_from_both_sides, p_in_words,

@@ -12,62 +12,105 @@
 
 use std::sync::Arc;
 
+use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_leastsquares::f_upper_tail;
-use trueaxis_multilateration::{Interruption, solve};
-use trueaxis_screening::{Error, Jump, Screened, adjust_as_a_set, screen_within};
+use trueaxis_multilateration::{Interruption, Network, solve};
+use trueaxis_screening::{
+    Axes, AxisReturn, Error, Screened, Sweep, adjust_as_a_set, is_clean, screen_within,
+};
 
 use crate::lengths::network::network_from_campaign;
-use crate::lengths::returns::{AxisReturn, Returns};
+use crate::lengths::returns::axes_of;
 use crate::settings::{Method, Settings};
 
 /// Probability of sides that differ as much by chance.
 const LEVEL: f64 = 1e-3;
 
 /// The adjustment without what contradicts its own side, if less does so than in `together`, and the sides differ;
-/// `ratios` are those of [`Returns`].
+/// `ratios` are those of the axes.
 pub(crate) fn side_by_side(
-    returns: &Returns<'_>,
+    measured: (&Campaign, &Lengths),
+    axes: &Axes<'_>,
     settings: &Settings,
-    ratios: &[AxisReturn],
-    together: Result<&Screened, &Error>,
+    (ratios, together): (&[AxisReturn], Result<&Screened, &Error>),
 ) -> Option<Screened> {
     let (wrong, jumps) = match together {
         Ok(screened) => (count(screened), screened.jumps.as_slice()),
         Err(error) if error.is_contradiction() => (usize::MAX, Default::default()),
         Err(_) => return None,
     };
-    // A diagnosis has lost motion among its causes.
-    if wrong == 0 || settings.by_direction || settings.asks_why || !settings.robust {
+    if wrong == 0 {
         return None;
     }
-    let Returns {
-        campaign,
-        lengths,
-        network,
-        ..
-    } = *returns;
+    let of_sides = of_sides(measured, axes, settings, ratios, |network| {
+        let apart = screen_within(network, axes.declared, axes.most_removed);
+        apart.ok().filter(|apart| count(apart) < wrong)
+    });
+    let (joined, apart) = of_sides?;
+    let jumps = jumps.iter().map(|jump| (jump.station, jump.first_reading));
+    differ(&joined, &apart, &jumps.collect::<Vec<_>>()).then_some(joined)
+}
+
+/// The same where nothing contradicts its own side, and axes return as usual: a search in common poses would be in
+/// vain. The sides must differ even if the zero of any station jumps from sweep to sweep.
+pub(crate) fn sides_alone(
+    measured: (&Campaign, &Lengths),
+    axes: &Axes<'_>,
+    settings: &Settings,
+) -> Option<Screened> {
+    let of_sides = of_sides(measured, axes, settings, &[], |network| {
+        Screened::plain(network, axes.declared).ok()
+    });
+    let (joined, apart) = of_sides?;
+    let first = |sweep: &Sweep| &joined.network.visits[sweep.visits[0]];
+    let starts = axes.sweeps.iter().map(first).collect::<Vec<_>>();
+    let of_station = |station: usize| {
+        let own = starts.iter().filter(|visit| visit.station == station);
+        let jumps = own.skip(1).map(|visit| (station, visit.readings.start));
+        jumps.collect::<Vec<_>>()
+    };
+    let mut stations = 0..joined.network.stations.len();
+    let is_all = differ(&joined, &apart, &[])
+        && is_clean(&apart)
+        && stations.all(|station| differ(&joined, &apart, &of_station(station)))
+        && axes.return_as_usual(&joined);
+    is_all.then_some(joined)
+}
+
+/// The adjustment in common poses of what `adjust` leaves of the lengths in poses of each side, and that one.
+fn of_sides(
+    (campaign, lengths): (&Campaign, &Lengths),
+    axes: &Axes<'_>,
+    settings: &Settings,
+    ratios: &[AxisReturn],
+    adjust: impl Fn(&Network) -> Option<Screened>,
+) -> Option<(Screened, Screened)> {
+    // A diagnosis has lost motion among its causes.
+    if settings.by_direction || settings.asks_why || !settings.robust {
+        return None;
+    }
+    let joined = axes.with(ratios);
     let of_sides = network_from_campaign(campaign, lengths, true);
     let mut apart = of_sides.network;
-    if apart.groups.len() == network.groups.len() {
+    if apart.groups.len() == joined.groups.len() {
         return None;
     }
     if settings.method != Method::Joint {
         apart.bodies = None;
     }
-    let joined = returns.with(ratios);
-    apart = Returns::new(campaign, lengths, (&apart, &of_sides.groups)).with(ratios);
+    let of_both = (&apart, &of_sides.groups[..]);
+    apart = axes_of((campaign, lengths), of_both, settings).with(ratios);
     if let (Some(own), Some(of_all)) = (&mut apart.reflectors, &joined.reflectors) {
         Arc::make_mut(own).sigma_mm = of_all.sigma_mm;
     }
-    let declared = campaign.instrument.declares_noise();
     let apart = adjust_as_a_set(
         &mut apart,
         |screened: &Screened| &screened.solution,
-        |network| screen_within(network, declared, settings.most_removed),
+        |network| adjust(network).ok_or(()),
     );
-    let apart = apart.ok().filter(|apart| count(apart) < wrong)?;
-    let joined = Screened::as_found(&joined, declared, &apart).ok()?;
-    differ(&joined, &apart, jumps).then_some(joined)
+    let apart = apart.ok()?;
+    let joined = Screened::as_found(&joined, axes.declared, &apart).ok()?;
+    Some((joined, apart))
 }
 
 /// How much is wrong.
@@ -76,19 +119,16 @@ fn count(screened: &Screened) -> usize {
 }
 
 /// Whether poses that both sides share leave more than those of each side by more than chance, and than these `jumps`
-/// explain.
-fn differ(joined: &Screened, apart: &Screened, jumps: &[Jump]) -> bool {
+/// (stations, and the first readings after them) explain.
+fn differ(joined: &Screened, apart: &Screened, jumps: &[(usize, usize)]) -> bool {
     let with_jumps = |screened: &Screened| {
         let mut network = screened.network.clone();
         network.noise = apart.network.noise;
-        network.interruptions.extend(jumps.iter().map(|jump| {
-            Interruption {
-                station: jump.station,
-                first_reading: screened
-                    .kept
-                    .partition_point(|&kept| kept < jump.first_reading),
-            }
-        }));
+        let jumps = jumps.iter().map(|&(station, first)| Interruption {
+            station,
+            first_reading: screened.kept.partition_point(|&kept| kept < first),
+        });
+        network.interruptions.extend(jumps);
         network
             .interruptions
             .sort_unstable_by_key(|i| (i.first_reading, i.station));

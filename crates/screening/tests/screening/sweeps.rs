@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use trueaxis_multilateration::{Network, solve};
-use trueaxis_screening::{slow, uneven_axes};
+use trueaxis_multilateration::{Network, Whitened, solve};
+use trueaxis_screening::{Sweep, slow, uneven_axes};
 
 use crate::gross_errors::NOISE;
 use crate::world::*;
@@ -46,10 +46,15 @@ fn worn(group: usize, sweep: usize, _point: usize) -> Vector3<f64> {
 /// How much more such an axis moves from step to step was taken for a repeatability that is worse than that of the others.
 #[test]
 fn lost_motion_that_changes_along_an_axis_is_no_scatter() {
-    let axes: Vec<Option<usize>> = (0..3 * STEPS).map(|group| Some(group / STEPS)).collect();
     let told = |network: &Network| {
         let solution = solve(network).unwrap();
-        uneven_axes(network, &solution, (3, &axes), false)
+        let starts = (0..network.visits.len()).step_by(STEPS);
+        let sweep = |first: usize| Sweep {
+            axis: network.visits[first].group / STEPS,
+            visits: (first..first + STEPS).collect(),
+        };
+        let sweeps: Vec<Sweep> = starts.map(sweep).collect();
+        uneven_axes(network, &solution, (3, &sweeps), false)
     };
     for seed in 1..4 {
         assert_eq!(told(&displaced(seed, worn)), None, "seed {seed}");
@@ -72,7 +77,10 @@ fn what_slipped_is_alike_from_step_to_step() {
     let runs: Vec<Vec<usize>> = (0..3)
         .map(|axis| (STEPS * axis..STEPS * (axis + 1)).collect())
         .collect();
-    let told = |network: &Network| slow(network, &solve(network).unwrap(), &runs);
+    let told = |network: &Network| {
+        let rows = Whitened::of_visits(network, &solve(network).unwrap());
+        slow(network, &rows, &runs)
+    };
     for seed in 1..4 {
         let slips = |_: usize, sweep: usize, point: usize| match point == 1 && sweep >= 2 * REPEATS
         {

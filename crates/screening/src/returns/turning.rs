@@ -6,14 +6,12 @@
 
 use std::borrow::Cow;
 
-use trueaxis_campaign::Direction;
 use trueaxis_leastsquares::median;
 use trueaxis_multilateration::Noise;
-use trueaxis_screening::{Error, Screened, turns};
 
-use super::{AxisReturn, Found, PLAIN, Returns, STEPS, wrong};
-use crate::settings::Settings;
-use crate::words::stop_of;
+use super::turns::turns;
+use super::{Axes, AxisReturn, PLAIN, Returned, STEPS, wrong};
+use crate::{Error, Screened};
 
 /// Standard deviations from one at which a ratio of variances is no chance where less is wrong with it, since the stops that show
 /// it may have left; and at which it is settled.
@@ -26,35 +24,31 @@ const EXCUSED: f64 = 10.0;
 /// Part of the squares in the declared noise that angles must leave where that noise alone is rejected as clearly.
 const EXPLAINED: f64 = 0.25;
 
-impl Returns<'_> {
+impl Axes<'_> {
     /// How the axes return where rotary ones do so badly, by an angle.
-    pub(super) fn turned(
-        &self,
-        settings: &Settings,
-        together: Result<&Screened, &Error>,
-    ) -> Option<Found> {
+    pub(super) fn turned(&self, together: Result<&Screened, &Error>) -> Option<Returned> {
         if self.lines.iter().all(Option::is_none) {
             return None;
         }
-        let declared = self.campaign.instrument.declares_noise();
         let (mut found, limit) = self.start(together)?;
         let mut ratios = self.usual();
         let is_plain = self.improve(&found, &mut ratios, PLAIN);
         // Of a lone table all noise that the residuals show is that of its angle, beside which this is no excess.
         let squares = found.given_squares;
-        let is_noisy = declared && EXPLAINED * squares > found.solution.degrees_of_freedom() as f64;
+        let is_noisy =
+            self.declared && EXPLAINED * squares > found.solution.degrees_of_freedom() as f64;
         let is_doubted = limit > 0 || is_noisy;
         let is_likely = is_plain || is_doubted && self.improve(&found, &mut ratios, LIKELY);
         if !is_likely {
-            if !is_doubted || !declared {
+            if !is_doubted || !self.declared {
                 return None;
             }
             let shown = together.ok().filter(|_| !is_noisy);
             let noise = shown.map_or(self.network.noise, |screened| screened.network.noise);
             self.excuse(&found, noise, &mut ratios);
-            found = Cow::Owned(self.search(settings, &ratios, noise)?);
+            found = Cow::Owned(self.search(&ratios, noise)?);
         }
-        self.settle(settings, &mut found, &mut ratios, |found, ratios| {
+        self.settle(&mut found, &mut ratios, |found, ratios| {
             let mut adjusted = self.again(ratios, found)?;
             for _ in 0..STEPS {
                 if !self.improve(&adjusted, ratios, PLAIN) {
@@ -67,7 +61,7 @@ impl Returns<'_> {
         let is_explained = is_noisy && found.given_squares < EXPLAINED * squares;
         if !is_likely && !is_explained {
             let mut none = self.usual();
-            let shown = Screened::as_found(self.network, declared, &found).ok()?;
+            let shown = Screened::as_found(self.network, self.declared, &found).ok()?;
             if !self.improve(&shown, &mut none, PLAIN) {
                 return None;
             }
@@ -83,13 +77,14 @@ impl Returns<'_> {
         let mut levers_mm = vec![Vec::new(); ratios.len()];
         let (network, solution) = (&adjusted.network, &adjusted.solution);
         for visit in &network.visits {
-            let Some((axis, line)) = &self.lines[visit.group] else {
+            let (Some(axis), Some(line)) = (self.of_groups[visit.group], &self.lines[visit.group])
+            else {
                 continue;
             };
             let station_mm = solution.stations[visit.station].position_mm;
             for reading in &network.readings[visit.readings.clone()] {
                 let point_mm = solution.points_mm[network.point(visit.group, reading.point)];
-                levers_mm[*axis].push(line.lever_mm(station_mm, point_mm).abs());
+                levers_mm[axis].push(line.lever_mm(station_mm, point_mm).abs());
             }
         }
         let sigma_mm = noise.length_sigma_mm.hypot(noise.repeatability_mm);
@@ -115,9 +110,7 @@ impl Returns<'_> {
             false => noise.length_sigma_mm,
         };
         let mut improved = false;
-        let side = |reading: usize| stop_of(self.lengths, adjusted.kept[reading]).direction;
-        let is_forward = |reading: usize| side(reading) == Direction::Forward;
-        let shown = turns(adjusted, (ratios.len(), &self.lines), is_forward);
+        let shown = turns(adjusted, self);
         for (turns, own) in shown.into_iter().zip(ratios) {
             let Some(turns) = turns else {
                 continue;

@@ -1,10 +1,9 @@
 //! Axes that return unequally well: where the visits of one plainly scatter more ([`uneven_axes`]), each has a repeatability of its
 //! own, found where they all scatter alike.
 
-use trueaxis_screening::{Error, Screened, uneven_axes};
-
-use super::{AxisReturn, Found, PLAIN, Returns, STEPS, wrong};
-use crate::settings::Settings;
+use super::{Axes, AxisReturn, PLAIN, Returned, STEPS, wrong};
+use crate::uneven::uneven_axes;
+use crate::{Error, Screened};
 
 /// A repeatability is settled if its variance is right to this.
 const RIGHT: f64 = 0.02;
@@ -12,17 +11,16 @@ const RIGHT: f64 = 0.02;
 /// No axis misses its steps by more, mm (standard deviation): lengths are wrong.
 const MOST_MM: f64 = 0.1;
 
-impl Returns<'_> {
+impl Axes<'_> {
     /// How the axes return where one plainly does so worse than the others.
     pub(super) fn uneven(
         &self,
-        settings: &Settings,
         mut ratios: Vec<AxisReturn>,
         together: Result<&Screened, &Error>,
-    ) -> Option<Found> {
+    ) -> Option<Returned> {
         let (mut found, limit) = self.start(together)?;
         let mut is_known = false;
-        self.settle(settings, &mut found, &mut ratios, |found, ratios| {
+        self.settle(&mut found, &mut ratios, |found, ratios| {
             let mut adjusted = match is_known {
                 true => self.again(ratios, found)?,
                 false => found.clone(),
@@ -32,13 +30,14 @@ impl Returns<'_> {
                 if network.noise.repeatability_mm > MOST_MM {
                     return None;
                 }
-                let axes = (ratios.len(), self.axes.as_slice());
-                let scatters = uneven_axes(network, solution, axes, is_known)?;
+                let sweeps = (self.count, &self.sweeps[..]);
+                let scatters = uneven_axes(network, solution, sweeps, is_known)?;
                 is_known = true;
                 let settled = scatters.iter().all(|ratio| (ratio - 1.0).abs() < RIGHT);
                 // The repeatability of the network is their root mean square.
                 let of_axis = |axis: usize| ratios[axis].variance * scatters[axis];
-                let measured = (0..ratios.len()).filter(|axis| self.axes.contains(&Some(*axis)));
+                let measured =
+                    (0..ratios.len()).filter(|axis| self.of_groups.contains(&Some(*axis)));
                 let measured: Vec<f64> = measured.map(of_axis).collect();
                 let mean = measured.iter().sum::<f64>() / measured.len() as f64;
                 for (own, ratio) in ratios.iter_mut().zip(&scatters) {

@@ -13,7 +13,8 @@
 use trueaxis_leastsquares::{dot, median};
 use trueaxis_multilateration::{Return, Whitened};
 
-use crate::screened::Screened;
+use super::{Axes, Sweep};
+use crate::Screened;
 
 /// Median of χ² with one degree of freedom.
 const MEDIAN: f64 = 0.454_936;
@@ -29,39 +30,47 @@ const VISIBLE: f64 = 1e-6;
 
 /// How large the turns of an axis are.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Turns {
+pub(super) struct Turns {
     /// By how much the ratio of their variance to that of the noise exceeds one.
-    pub excess: f64,
+    pub(super) excess: f64,
     /// Standard deviation of that by chance.
-    pub chance: f64,
+    pub(super) chance: f64,
     /// Median of e.
-    pub part: f64,
+    pub(super) part: f64,
 }
 
 /// A turn about its axis at a visit.
 struct Turn {
-    /// The station and the side of approach: the same within a sweep.
-    sweep: (usize, bool),
     q: f64,
     e: f64,
 }
 
-/// The turns of each axis at the visits of groups that it moves; for each group the axis, if it is a rotary one, and the line along it.
-/// `is_forward` is the side of approach of a reading.
-pub fn turns(
-    screened: &Screened,
-    (axes, lines): (usize, &[Option<(usize, Return)>]),
-    is_forward: impl Fn(usize) -> bool,
-) -> Vec<Option<Turns>> {
-    let (network, solution) = (&screened.network, &*screened.solution);
-    let whitened = Whitened::new(network, solution);
-    let mut turns: Vec<Vec<Turn>> = Vec::new();
-    turns.resize_with(axes, Vec::new);
-    for (number, visit) in network.visits.iter().enumerate() {
-        let rows = visit.readings.clone();
-        let Some((axis, line)) = lines[visit.group].filter(|_| !rows.is_empty()) else {
-            continue;
-        };
+/// The turns of each axis along its sweeps.
+pub(super) fn turns(screened: &Screened, axes: &Axes<'_>) -> Vec<Option<Turns>> {
+    let whitened = Whitened::new(&screened.network, &screened.solution);
+    let of_sweep = |sweep: &Sweep| {
+        let visits = sweep.visits.iter();
+        let turns = visits.filter_map(|&visit| Turn::of(visit, screened, &whitened, &axes.lines));
+        turns.collect::<Vec<Turn>>()
+    };
+    let of_axis = |axis: usize| {
+        let own = axes.sweeps.iter().filter(|sweep| sweep.axis == axis);
+        of_sweeps(&own.map(of_sweep).collect::<Vec<_>>())
+    };
+    (0..axes.count).map(of_axis).collect()
+}
+
+impl Turn {
+    /// That of a visit to a group which a rotary axis moves, if the lengths show it.
+    fn of(
+        number: usize,
+        screened: &Screened,
+        whitened: &Whitened,
+        lines: &[Option<Return>],
+    ) -> Option<Self> {
+        let (network, solution) = (&screened.network, &screened.solution);
+        let visit = &network.visits[number];
+        let (rows, line) = (visit.readings.clone(), lines[visit.group]?);
         let station_mm = solution.stations[visit.station].position_mm;
         let lever = |i: usize| {
             let point = network.point(visit.group, network.readings[i].point);
@@ -83,20 +92,14 @@ pub fn turns(
             .map(|(row, s)| s * dot(row, &shared))
             .sum::<f64>();
         let e = whole - dot(&own, &own) - absorbed;
-        if e > VISIBLE * whole {
-            let sweep = (visit.station, is_forward(rows.start));
-            turns[axis].push(Turn { sweep, q, e });
-        }
+        (e > VISIBLE * whole).then_some(Self { q, e })
     }
-    turns.iter().map(|turns| of_axis(turns)).collect()
 }
 
-fn of_axis(turns: &[Turn]) -> Option<Turns> {
-    let sweeps = turns.windows(3).filter_map(|three| match three {
-        [a, b, c] if a.sweep == b.sweep && b.sweep == c.sweep => Some([a, b, c]),
-        _ => None,
-    });
-    let squares = sweeps.map(|[a, b, c]| {
+fn of_sweeps(sweeps: &[Vec<Turn>]) -> Option<Turns> {
+    let threes = sweeps.iter().flat_map(|turns| turns.windows(3));
+    let squares = threes.map(|three| {
+        let [a, b, c] = [&three[0], &three[1], &three[2]];
         let difference = b.q / b.e - 0.5 * (a.q / a.e + c.q / c.e);
         difference.powi(2) / (1.0 / b.e + 0.25 * (1.0 / a.e + 1.0 / c.e))
     });
@@ -107,6 +110,12 @@ fn of_axis(turns: &[Turn]) -> Option<Turns> {
     Some(Turns {
         excess: median(&mut squares)? / MEDIAN - 1.0,
         chance: OF_MEDIAN / (squares.len() as f64).sqrt(),
-        part: median(&mut turns.iter().map(|turn| turn.e).collect::<Vec<f64>>())?,
+        part: median(
+            &mut sweeps
+                .iter()
+                .flatten()
+                .map(|turn| turn.e)
+                .collect::<Vec<f64>>(),
+        )?,
     })
 }
