@@ -210,7 +210,7 @@ impl Whitened {
     }
 
     /// Row of `T`.
-    fn shared_row(&self, row: usize) -> &[f64] {
+    pub fn shared_row(&self, row: usize) -> &[f64] {
         &self.shared[row * self.shared_width..][..self.shared_width]
     }
 }

@@ -178,7 +178,7 @@ impl<'a> LengthsAdjustment<'a> {
     }
 
     /// The groups of each body in a run and on a side of approach, in the order in which they were first read.
-    fn runs(&self) -> Vec<Vec<usize>> {
+    pub(crate) fn runs(&self) -> Vec<Vec<usize>> {
         let mut runs: BTreeMap<_, Vec<usize>> = BTreeMap::new();
         for g in self.moved() {
             let group = &self.groups[g];

@@ -83,7 +83,7 @@ impl LengthsAdjustment<'_> {
     }
 
     /// The targets of a body, in its order.
-    fn targets_of(&self, body: usize, home_mm: &[Point3<f64>]) -> Vec<usize> {
+    pub(crate) fn targets_of(&self, body: usize, home_mm: &[Point3<f64>]) -> Vec<usize> {
         let mut targets = vec![0; home_mm.len()];
         let bodies = self.screened.network.bodies.iter();
         let placed = bodies.flat_map(|bodies| &bodies.of_groups);

@@ -3,7 +3,7 @@
 use trueaxis_kinematics::{ARCSEC, Axis, MICROMETRE};
 use trueaxis_leastsquares::chi_squared_upper_tail;
 use trueaxis_screening::{
-    AxisReturn, Jump, NoiseBasis, PartEstimate, WanderingZero, uneven_lengths,
+    AxisReturn, Jump, NoiseBasis, PartEstimate, Slip, WanderingZero, slow, uneven_lengths,
 };
 
 use crate::lengths::LengthsAdjustment;
@@ -91,6 +91,7 @@ impl LengthsAdjustment<'_> {
         notices.extend(self.alike());
         notices.extend(self.slow());
         notices.extend(self.wandering_zeros());
+        notices.extend(self.slip());
         notices.extend(self.unnoticed_jump());
         let changed = !screened.removed.is_empty() || !screened.jumps.is_empty();
         if both_sides && changed && !report.is_contradicted() {
@@ -162,6 +163,43 @@ impl LengthsAdjustment<'_> {
             )
         });
         said.collect()
+    }
+
+    /// The target that most plainly slipped or another that may have; none where it leaves what changes slowly.
+    fn slip(&self) -> Option<String> {
+        if self.settings.asks_why {
+            return None;
+        }
+        let slips = self.screened.slips()?;
+        let name = |slip: &Slip| {
+            let (body, place) = slip.place;
+            let targets = self.targets_of(body, &self.screened.solution.shapes_mm[body]);
+            self.campaign.targets[targets[place]].name.as_str()
+        };
+        let station = |j: usize| &self.campaign.stations[j].name;
+        let recurs = self.alike.is_some() && self.slow.is_none();
+        if recurs || slow(&self.screened.network, &slips.left, &self.runs()).is_some() {
+            return None;
+        }
+        let slip = slips.targets.first()?;
+        let seen = slip
+            .station
+            .map(|j| format!(", while station {} saw it", station(j)));
+        Some(format!(
+            "from about line {} of the lengths on they change as if target {} had shifted by {:.1} ± {:.1} µm in its nest{}, or something drifts ({}): U does not \
+             contain what that does to the results; `trueaxis diagnose` looks for the cause and calibrates without it",
+            self.lengths.readings[self.screened.kept[slip.first_reading]].line,
+            slips
+                .targets
+                .iter()
+                .map(name)
+                .collect::<Vec<_>>()
+                .join(" or "),
+            slip.moved_mm.norm() / MICROMETRE,
+            slip.u_mm / MICROMETRE,
+            seen.unwrap_or_default(),
+            p_in_words(slip.p_value)
+        ))
     }
 
     /// The jump of a zero that does most harm without being found, where it does much.
