@@ -91,7 +91,7 @@ impl LengthsAdjustment<'_> {
         notices.extend(self.alike());
         notices.extend(self.slow());
         notices.extend(self.wandering_zeros());
-        notices.extend(self.slip());
+        notices.extend(self.slip(both_sides));
         notices.extend(self.unnoticed_jump());
         let changed = !screened.removed.is_empty() || !screened.jumps.is_empty();
         if both_sides && changed && !report.is_contradicted() {
@@ -165,9 +165,10 @@ impl LengthsAdjustment<'_> {
         said.collect()
     }
 
-    /// The target that most plainly slipped or another that may have; none where it leaves what changes slowly.
-    fn slip(&self) -> Option<String> {
-        if self.settings.asks_why {
+    /// The target that most plainly slipped or another that may have; none where it leaves what changes slowly, or where both sides of
+    /// approach share poses: lost motion looks the same.
+    fn slip(&self, both_sides: bool) -> Option<String> {
+        if self.settings.asks_why || both_sides {
             return None;
         }
         let slips = self.screened.slips()?;
@@ -181,20 +182,15 @@ impl LengthsAdjustment<'_> {
         if recurs || slow(&self.screened.network, &slips.left, &self.runs()).is_some() {
             return None;
         }
+        let names: Vec<&str> = slips.targets.iter().map(name).collect();
         let slip = slips.targets.first()?;
-        let seen = slip
-            .station
-            .map(|j| format!(", while station {} saw it", station(j)));
+        let seen = slip.station.map(station);
+        let seen = seen.map(|name| format!(", while station {name} saw it"));
         Some(format!(
             "from about line {} of the lengths on they change as if target {} had shifted by {:.1} ± {:.1} µm in its nest{}, or something drifts ({}): U does not \
              contain what that does to the results; `trueaxis diagnose` looks for the cause and calibrates without it",
             self.lengths.readings[self.screened.kept[slip.first_reading]].line,
-            slips
-                .targets
-                .iter()
-                .map(name)
-                .collect::<Vec<_>>()
-                .join(" or "),
+            names.join(" or "),
             slip.moved_mm.norm() / MICROMETRE,
             slip.u_mm / MICROMETRE,
             seen.unwrap_or_default(),
