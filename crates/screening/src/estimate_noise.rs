@@ -61,6 +61,9 @@ const ROUNDING_MM: f64 = 1e-6;
 /// Residuals smaller than this share of the declared noise come from a calculation, not from an instrument.
 pub const TOO_GOOD: f64 = 0.01;
 
+/// Residuals (rms) that no measurement of a machine leaves, mm.
+const CALCULATED_MM: f64 = 1e-4;
+
 /// Parts that the data separate less than this (`1 - ρ²` of their estimates) get a common factor.
 pub const LEAST_SEPARATION: f64 = 0.01;
 
@@ -89,7 +92,9 @@ pub fn estimate_noise(
     let given = adjusted.network.noise;
     let dof = adjusted.degrees_of_freedom();
     let above = chi_squared_upper_tail(adjusted.squares(), dof);
-    let too_good = adjusted.sigma0() < TOO_GOOD;
+    // A noise that is declared in another unit is a hundred times too large, too.
+    let is_calculated = adjusted.solution.rms_residual_mm() < CALCULATED_MM;
+    let too_good = is_calculated && adjusted.sigma0() < TOO_GOOD;
     if dof == 0.0 || (declared && above > REJECTED && (too_good || dof < LEAST_DEGREES_OF_FREEDOM))
     {
         return Ok(kept(given));

@@ -92,15 +92,15 @@ fn calibrated_nevertheless() {
             says: &["notice: the noise is not declared"],
         },
         Harmless {
-            name: "half of the accuracy declared, a hundred times too large",
+            name: "half of the accuracy declared, in nm",
             change: |files| {
                 files.json(|json| {
-                    json["instrument"] = json!({ "name": "tracker", "length_sigma_um": 26.9 });
+                    json["instrument"] = json!({ "name": "tracker", "length_sigma_um": 269 });
                 });
             },
             says: &[
                 "notice: `repeatability_um` is not declared",
-                "notice: `length_sigma_um` is declared as 26.9 µm, but the lengths show 0.2",
+                "notice: `length_sigma_um` is declared as 269 µm, but the lengths show 0.2",
             ],
         },
         Harmless {
