@@ -96,7 +96,7 @@ impl<'a> AxisColumns<'a> {
                     hint: if micrometres {
                         "it looks like um: divide the column by 1000"
                     } else {
-                        "correct the position, or the travel in campaign.json"
+                        "correct the position, or the `travel` of the axis"
                     },
                 }
                 .at(row.place(column)));

@@ -1,9 +1,12 @@
 //! One cell of a CSV file: a number, or the reason why it is none.
 
-/// A finite number.
+/// No number of a table is as large, in mm, µm, s or degrees; its square is a number, too.
+const TOO_LARGE: f64 = 1e15;
+
+/// A number that can be.
 pub(crate) fn number(cell: &[u8]) -> Option<f64> {
     let number: f64 = std::str::from_utf8(cell).ok()?.parse().ok()?;
-    number.is_finite().then_some(number)
+    (number.abs() < TOO_LARGE).then_some(number)
 }
 
 /// What was found and what is expected, for a cell that [`number`] refuses.
@@ -16,8 +19,13 @@ pub(crate) fn number_problem(cell: &[u8]) -> (String, String) {
     if text.is_empty() {
         return ("the cell is empty".to_owned(), nothing);
     }
-    if text.parse::<f64>().is_ok() {
-        return (format!("\"{text}\" is not a finite number"), nothing);
+    if let Ok(number) = text.parse::<f64>() {
+        let what = if number.is_finite() {
+            "is too large"
+        } else {
+            "is not a finite number"
+        };
+        return (format!("\"{text}\" {what}"), nothing);
     }
     let expected = if finite(&point) {
         format!("a decimal point, such as {point}")
@@ -32,6 +40,11 @@ pub(crate) fn number_problem(cell: &[u8]) -> (String, String) {
 /// The same for a cell that should hold seconds: clocks and calendars have words of their own.
 pub(crate) fn time_problem(cell: &[u8]) -> (String, String) {
     let text = String::from_utf8_lossy(cell);
+    if text.is_empty() {
+        let expected =
+            "seconds since the start of the campaign; where nobody logged them, number the rows";
+        return ("the cell is empty".to_owned(), expected.to_owned());
+    }
     if let Some(seconds) = seconds_of_clock(&text) {
         (
             format!("\"{text}\" is a time of day"),
@@ -87,7 +100,9 @@ mod tests {
     #[test]
     fn only_finite_numbers_are_numbers() {
         assert_eq!(number(b"-12.5e-1"), Some(-1.25));
-        for cell in ["", "12,5", "NaN", "inf", "1e999", "12.5 mm", "0x10"] {
+        for cell in [
+            "", "12,5", "NaN", "inf", "1e999", "-1e15", "12.5 mm", "0x10",
+        ] {
             assert_eq!(number(cell.as_bytes()), None, "{cell}");
         }
     }
@@ -113,6 +128,7 @@ mod tests {
             ("31.3.2026 10:15", "subtract the date"),
             ("3/31/26", "subtract the date"),
             ("12.5 s", "without unit"),
+            ("", "number the rows"),
             ("12,5", "as 12.5"),
             ("1:2:3:4", "without unit"),
             ("1.234.567", "without unit"),

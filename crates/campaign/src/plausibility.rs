@@ -142,7 +142,7 @@ pub(crate) fn check_points(
     }
     let explains = |hypothesis: &Hypothesis| {
         let nominal = NominalPoints::new(campaign, hypothesis);
-        !pairs.judge(&nominal, hypothesis).is_pervasive()
+        !pairs.judge(&nominal, hypothesis).is_pervasive() && pairs.show_motion(&nominal, hypothesis)
     };
     let suspects = hypothesis::for_points(campaign, &judgement.runs);
     Err(Problem::PointsImpossible {

@@ -58,7 +58,7 @@ pub enum Problem {
     NotUtf8,
     /// The file holds NUL bytes.
     #[error(
-        "the file holds NUL bytes, so it is no text table; save it as text with the encoding UTF-8"
+        "the file holds NUL bytes, so it is no text; is it the right file? Save it as text with the encoding UTF-8"
     )]
     NulBytes,
 
@@ -252,8 +252,8 @@ pub enum Problem {
     },
     /// A run, or a line of a verification, in which only other axes move.
     #[error(
-        "{kind} `{name}` is of axis {axis}, but {axis} never moves in it, only {}; correct the axis of the {kind}, its \
-         rows or the columns",
+        "{kind} `{name}` is of axis {axis}, but {axis} never moves in it, only {}; correct the axis of the {kind} \
+         (`ball_carried_by` of a ball bar), its rows or the columns",
         moving.join(", ")
     )]
     WrongAxisMoves {

@@ -16,16 +16,16 @@ pub(crate) fn check(file: &Path, campaign: &Campaign, steps: &Steps) -> Result<(
         let rows = rows.filter(|(step, _)| step.run == Some(index));
         let rows = rows.map(|(step, &line)| (step.positions.as_slice(), line));
         let of = ("run", run.name.as_str());
-        check_moves(file, campaign.machine.axes(), run.axis, of, rows)?;
+        check_moves(file, campaign.machine.axes(), &[run.axis], of, rows)?;
     }
     Ok(())
 }
 
-/// The same for the rows, with their lines, of what has this kind and name.
+/// The same for the rows, with their lines, of what has this kind and name: one of these axes must move, if any does.
 pub(crate) fn check_moves<'a>(
     file: &Path,
     axes: &[Axis],
-    axis: usize,
+    own: &[usize],
     (kind, name): (&'static str, &str),
     mut rows: impl Iterator<Item = (&'a [f64], usize)>,
 ) -> Result<(), Error> {
@@ -42,7 +42,8 @@ pub(crate) fn check_moves<'a>(
         }
     }
     let first_motion = moved_in_line.iter().flatten().min();
-    if let (None, Some(&line)) = (moved_in_line[axis], first_motion) {
+    let own_moves = own.iter().any(|&axis| moved_in_line[axis].is_some());
+    if let (false, Some(&line), Some(&axis)) = (own_moves, first_motion, own.last()) {
         let moving = axes.iter().zip(&moved_in_line);
         let moving = moving.filter(|(_, moved)| moved.is_some());
         return Err(Problem::WrongAxisMoves {

@@ -27,6 +27,9 @@ pub fn check_instrument(instrument: &Instrument) -> Result<(), DocumentError> {
     })
 }
 
+/// Nothing scatters by more, in whatever unit: weights are one over its square.
+const LARGEST: f64 = 1e9;
+
 /// Refuses a standard deviation or uncertainty (`what`) that is none; the `unit` in messages begins with a blank.
 pub(crate) fn check_sigma(
     field: String,
@@ -35,13 +38,14 @@ pub(crate) fn check_sigma(
     unit: &str,
     or_zero: bool,
 ) -> Result<(), DocumentError> {
-    let is_none = |sigma: &f64| *sigma < 0.0 || (*sigma == 0.0 && !or_zero);
+    let is_none = |sigma: &f64| *sigma < 0.0 || (*sigma == 0.0 && !or_zero) || *sigma > LARGEST;
     sigma.filter(is_none).map_or(Ok(()), |sigma| {
-        let least = match or_zero {
-            true => "zero or more",
-            false => "more than zero",
+        let (sigma, bound) = match or_zero {
+            _ if sigma > LARGEST => (format!("{sigma:e}"), "no more than 1e9"),
+            true => (sigma.to_string(), "zero or more"),
+            false => (sigma.to_string(), "more than zero"),
         };
-        let expected = format!("{least}; leave it out if it is not known");
+        let expected = format!("{bound}; leave it out if it is not known");
         let problem = DocumentProblem::value(format!("a {what} of {sigma}{unit}"), expected);
         Err(problem.in_field(field))
     })

@@ -125,11 +125,13 @@ pub(crate) fn read(
             line: row.line(),
         })
     })?;
-    if let VerificationKind::Positioning { axis, .. } = declared.kind {
-        let rows = readings.iter().map(|r| (r.positions.as_slice(), r.line));
-        let of = ("verification", declared.name.as_str());
-        check_moves(file, machine.axes(), axis, of, rows)?;
-    }
+    let axes = match &declared.kind {
+        VerificationKind::Positioning { axis, .. } => std::slice::from_ref(axis),
+        VerificationKind::Ballbar { ball_carrier, .. } => machine.chain(*ball_carrier),
+    };
+    let rows = readings.iter().map(|r| (r.positions.as_slice(), r.line));
+    let of = ("verification", declared.name.as_str());
+    check_moves(file, machine.axes(), axes, of, rows)?;
     check_bar(file, &declared.kind, &readings, machine)?;
     Ok(Verification {
         readings,

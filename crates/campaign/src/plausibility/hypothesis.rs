@@ -15,7 +15,7 @@ pub struct UnitMistake {
     pub columns: String,
     /// The unit that the values seem to have.
     pub looks_like: &'static str,
-    /// The symbol of that unit, as in the map of an import.
+    /// The symbol of that unit, as in the map of an import; empty if no import makes the values.
     pub symbol: &'static str,
     /// The unit of the format.
     pub expected: &'static str,
@@ -48,9 +48,15 @@ impl fmt::Display for UnitMistake {
         } = self;
         write!(
             f,
-            "the values of {columns} look like {looks_like}, expected {expected}: multiply them \
-             by {factor}, or say `unit = \"{symbol}\"` in the map of `trueaxis import`"
-        )
+            "the values of {columns} look like {looks_like}, expected {expected}: multiply them by {factor}"
+        )?;
+        match symbol.is_empty() {
+            true => Ok(()),
+            false => write!(
+                f,
+                ", or say `unit = \"{symbol}\"` in the map of `trueaxis import`"
+            ),
+        }
     }
 }
 
@@ -58,6 +64,8 @@ impl fmt::Display for UnitMistake {
 pub(crate) struct Hypothesis {
     /// For each axis, what its positions are multiplied by.
     pub(crate) axis_factors: Vec<f64>,
+    /// What the positions of targets are multiplied by.
+    pub(crate) target_factor: f64,
     /// What lengths or coordinates are multiplied by ...
     measured_factor: f64,
     /// ... for one station only, or for all.
@@ -71,6 +79,7 @@ impl Hypothesis {
     pub(crate) fn as_given(campaign: &Campaign) -> Self {
         Self {
             axis_factors: vec![1.0; campaign.machine.axes().len()],
+            target_factor: 1.0,
             measured_factor: 1.0,
             station: None,
             mistake: None,
@@ -150,6 +159,15 @@ pub(crate) fn for_small_lengths(campaign: &Campaign) -> Vec<Hypothesis> {
 pub(crate) fn for_points(campaign: &Campaign, runs: &[usize]) -> Vec<Hypothesis> {
     let mut hypotheses = of_columns(campaign, runs);
     hypotheses.extend(measured(campaign, None, "x_mm, y_mm, z_mm".to_owned()));
+    hypotheses.extend(LENGTH_UNITS.map(|(looks_like, _, factor)| Hypothesis {
+        target_factor: factor,
+        mistake: mistake(
+            "position_mm of the targets in campaign.json".to_owned(),
+            (looks_like, "", factor),
+            "mm",
+        ),
+        ..Hypothesis::as_given(campaign)
+    }));
     hypotheses
 }
 

@@ -14,7 +14,7 @@ pub(crate) struct NominalPoints {
 }
 
 impl NominalPoints {
-    /// Moves the ideal machine to every step, with its positions read as `hypothesis` says.
+    /// Moves the ideal machine to every step, with its positions and targets read as `hypothesis` says.
     pub(crate) fn new(campaign: &Campaign, hypothesis: &Hypothesis) -> Self {
         let targets = &campaign.targets;
         let mut points = Vec::with_capacity(campaign.steps.len() * targets.len());
@@ -34,7 +34,7 @@ impl NominalPoints {
                     }
                 };
                 stage = Some((target.carrier, motion));
-                points.push(motion * target.home_mm);
+                points.push(motion * (target.home_mm * hypothesis.target_factor));
             }
         }
         Self {

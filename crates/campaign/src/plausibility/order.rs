@@ -5,6 +5,7 @@
 //! set back, which is only a notice, by what sorting by time would make of it: a sorted table then has fewer stops, or as many in
 //! fewer occupations; with a clock that was reset the rows of different stations or runs would be mixed.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use crate::reading::{Reading, readings_of};
@@ -29,7 +30,11 @@ pub(crate) fn check<R: Reading>(
     if goes_back.is_some() {
         check_order(file, stops, readings)?;
     }
-    let notices = [goes_back, too_fast(name, readings)];
+    let notices = [
+        goes_back,
+        too_fast(name, readings),
+        one_by_one(name, stops, readings),
+    ];
     Ok(notices.into_iter().flatten().collect())
 }
 
@@ -87,6 +92,29 @@ impl Groups {
             occupations: rows.chunk_by(|a, b| a.1.station == b.1.station).count(),
         }
     }
+}
+
+/// A notice if most stops have one target, though others are read alone at the same position.
+fn one_by_one<R: Reading>(name: &str, stops: &[Stop], readings: &[R]) -> Option<String> {
+    let mut places = HashMap::new();
+    for stop in stops {
+        let [reading] = readings_of(stop, readings) else {
+            continue;
+        };
+        let target = reading.target();
+        let place = places.entry((stop.station, stop.step));
+        let (first, has_several, count) = place.or_insert((target, false, 0));
+        *has_several |= *first != target;
+        *count += 1;
+    }
+    let several = places.values().filter(|(_, has_several, _)| *has_several);
+    let alone: usize = several.map(|(.., count)| count).sum();
+    (2 * alone > stops.len()).then(|| {
+        format!(
+            "{name}: most stops have one target, though several are read at one position; if the machine stood still between them, \
+             the rows were sorted: put them into measuring order, or the noise comes out wrong"
+        )
+    })
 }
 
 /// A notice if the readings follow each other faster than any machine.

@@ -163,13 +163,18 @@ impl Pairs {
     }
 
     /// Whether some pair that the hypothesis is about sees a fair part of the motion: without
-    /// this, any unit small enough would explain lengths that change too much.
+    /// this, any unit small enough would explain lengths that change too much. Points see all of it.
     pub(crate) fn show_motion(&self, nominal: &NominalPoints, hypothesis: &Hypothesis) -> bool {
+        let part = if self.both_ways {
+            1.0 / MOTION_FACTOR
+        } else {
+            VISIBLE_PART
+        };
         let concerned = self.pairs.iter().filter(|p| hypothesis.is_about(p.station));
         concerned.into_iter().any(|pair| {
             let observed_mm = pair.observed_mm * hypothesis.measured_factor(pair.station);
             let nominal_mm = nominal.distance_mm(pair);
-            nominal_mm > MOUNTING_SLACK_MM && observed_mm > VISIBLE_PART * nominal_mm
+            nominal_mm > MOUNTING_SLACK_MM && observed_mm > part * nominal_mm
         })
     }
 }

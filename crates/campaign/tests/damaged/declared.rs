@@ -170,6 +170,10 @@ fn instruments_that_cannot_be() {
                  zero",
             ),
             (
+                |f| with(f, "\"scale_sigma_ppm\": 1e300"),
+                "field instrument.scale_sigma_ppm: a standard deviation of 1e300; expected no more than 1e9",
+            ),
+            (
                 |f| with(f, "\"air_compensated\": \"yes\""),
                 "field instrument.air_compensated … expected a boolean",
             ),

@@ -82,7 +82,7 @@ fn lines_without_a_column_are_quoted_in_part() {
         &[
             (
                 |f| drop(f.0.insert("lengths.csv".to_owned(), "\0".repeat(100_000))),
-                "lengths.csv: the file holds NUL bytes, so it is no text table",
+                "lengths.csv: the file holds NUL bytes, so it is no text; is it the right file?",
             ),
             (
                 |f| f.lines("lengths.csv", |lines| lines[0] = "1234567µ".repeat(10_000)),
@@ -127,7 +127,7 @@ fn format_and_version() {
             ),
             (
                 |f| f.lines("campaign.json", |lines| lines.truncate(12)),
-                "campaign.json line 13 … not valid JSON: EOF",
+                "campaign.json line 13 … not valid JSON: it ends too early",
             ),
             (
                 |f| f.json("\"name\": \"test\",", "\"name\": \"test\""),

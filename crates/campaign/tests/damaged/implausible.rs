@@ -227,6 +227,54 @@ fn a_bar_keeps_its_length() {
     );
 }
 
+/// A ball that stands still while other axes move keeps its distance, too.
+#[test]
+fn an_axis_that_moves_carries_the_ball() {
+    assert_refused(
+        &three_axes(),
+        &[(
+            |f| {
+                f.json(
+                    "\"kind\": \"positioning\", \"axis\": \"X\", \"target_mm\": [175.6, 497.5, 312.1]",
+                    "\"kind\": \"ballbar\", \"ball_mm\": [150, 0, 0], \"ball_carried_by\": \"X\", \"center_mm\": [0, 0, 0]",
+                );
+                f.0.insert(
+                    "li_x.csv".to_owned(),
+                    "cycle,direction,X,Y,Z,delta_um\n1,1,0,0,0,0\n1,1,0,9,1,0\n".to_owned(),
+                );
+            },
+            "li_x.csv line 3: verification `LI along X` is of axis X, but X never moves in it, only Y, Z; correct the axis of \
+             the verification (`ball_carried_by` of a ball bar)",
+        )],
+    );
+}
+
+/// A table without times that was sorted by target goes on as it stands; a single target is read alone.
+#[test]
+fn stops_of_one_target_are_said() {
+    let mut files = three_axes();
+    sort(&mut files, "lengths.csv", &["station", "target", "time_s"]);
+    files.lines("lengths.csv", |lines| {
+        for (time_s, line) in lines.iter_mut().enumerate().skip(1) {
+            let behind = line.find(',').unwrap();
+            line.replace_range(..behind, &time_s.to_string());
+        }
+    });
+    let said = notices(&files);
+    assert_eq!(said.len(), 1, "{said:?}");
+    assert!(said[0].contains(
+        "lengths.csv: most stops have one target, though several are read at one position"
+    ));
+    files.lines("lengths.csv", |lines| {
+        lines.retain(|line| !line.contains(",Q,") && !line.contains(",K,"))
+    });
+    let said = notices(&files);
+    assert!(
+        said.iter().all(|notice| !notice.contains("one target")),
+        "{said:?}"
+    );
+}
+
 /// A clock that begins again at each station is no sorted table.
 #[test]
 fn a_clock_that_was_reset_is_a_notice() {

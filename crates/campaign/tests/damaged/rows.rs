@@ -165,6 +165,11 @@ fn cells() {
                 |f| f.cell("lengths.csv", 17, "length_mm", "1e999"),
                 "line 17, column length_mm: \"1e999\" is not a finite number",
             ),
+            // The square of which is none, and with whose digits messages would be filled.
+            (
+                |f| f.cell("lengths.csv", 17, "time_s", "1e308"),
+                "line 17, column time_s: \"1e308\" is too large",
+            ),
             // Last row cut off.
             (
                 |f| {
@@ -213,7 +218,7 @@ fn cells() {
             (
                 |f| f.cell("lengths.csv", 17, "X", "441"),
                 "line 17, column X: position 441 mm is outside the travel 0 to 440 mm … \
-                 travel in campaign.json",
+                 `travel` of the axis",
             ),
             (
                 |f| f.scale("lengths.csv", "X", 1000.0),

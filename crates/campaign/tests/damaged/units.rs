@@ -167,6 +167,16 @@ fn points() {
                 |f| f.scale("points.csv", "C", std::f64::consts::PI / 180.0),
                 "values of C look like radians, expected deg",
             ),
+            // Targets in inches, with which points in micrometres would move by too little to tell.
+            (
+                |f| {
+                    f.json("[-105.805, 135.341, 0]", "[-4.1656, 5.3284, 0]");
+                    f.json("[128.851, 87.816, 39.98]", "[5.0729, 3.4573, 1.574]");
+                    f.json("[24.903, -110.858, 15.266]", "[0.9804, -4.3645, 0.601]");
+                },
+                "nominally 13.527 mm; the values of position_mm of the targets in campaign.json look like inches, expected mm: \
+                 multiply them by 25.4",
+            ),
             // Targets exchanged in the list.
             (
                 |f| {
