@@ -149,6 +149,7 @@ fn of_import(problem: &ImportProblem, place: &Place) -> &'static str {
         ImportProblem::NoText => "E007",
         ImportProblem::Toml { .. } => "E009",
         ImportProblem::NoRows { .. } => "E208",
+        ImportProblem::NotInMeasuringOrder { .. } => "E212",
         ImportProblem::NoSuchColumn { .. } => "E231",
         ImportProblem::NoNames { .. } => "E232",
         ImportProblem::OneColumn { .. } => "E233",
@@ -156,7 +157,7 @@ fn of_import(problem: &ImportProblem, place: &Place) -> &'static str {
         ImportProblem::Short { .. } => "E235",
         ImportProblem::Cell { .. } => "E236",
         ImportProblem::PartOfStop { .. } => "E237",
-        ImportProblem::PartOfPath { .. } => "E238",
+        ImportProblem::PartOfPath { .. } | ImportProblem::NotPlanned { .. } => "E238",
     }
 }
 

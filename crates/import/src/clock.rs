@@ -1,7 +1,7 @@
 //! Times of day.
 
-/// Hours after which a clock that goes back has passed midnight.
-const HALF_A_DAY_S: f64 = 43_200.0;
+/// A day, s.
+pub(crate) const DAY_S: f64 = 86_400.0;
 
 /// Seconds since midnight of the last `h:m:s` in the text, as `2026-03-31 02:21:33.5 PM`; a comma may stand for the
 /// point.
@@ -36,8 +36,8 @@ pub(crate) struct Clock {
 impl Clock {
     pub(crate) fn since_first_s(&mut self, of_day_s: f64) -> f64 {
         let first_s = *self.first_s.get_or_insert(of_day_s);
-        if of_day_s < self.last_s - HALF_A_DAY_S {
-            self.days_s += 2.0 * HALF_A_DAY_S;
+        if of_day_s < self.last_s - DAY_S / 2.0 {
+            self.days_s += DAY_S;
         }
         self.last_s = of_day_s;
         trueaxis_files::round(self.days_s + of_day_s - first_s, 3)

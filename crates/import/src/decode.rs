@@ -4,7 +4,7 @@ use crate::Problem;
 
 /// The text of a file in UTF-8, UTF-16 with a byte order mark, or, if it is neither, Latin-1.
 ///
-/// Digits, letters and separators are the same in all of them; only signs as µ and ° are at stake.
+/// Line ends of CR alone become LF. Digits, letters and separators are the same in all of them; only signs as µ and ° are at stake.
 pub(crate) fn decode(bytes: &[u8]) -> Result<String, Problem> {
     let wide = |unit: fn([u8; 2]) -> u16| {
         let units = bytes[2..].chunks_exact(2).map(|b| unit([b[0], b[1]]));
@@ -20,6 +20,9 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<String, Problem> {
     };
     if text.contains('\0') {
         return Err(Problem::NoText);
+    }
+    if !text.contains('\n') {
+        return Ok(text.replace('\r', "\n"));
     }
     Ok(text)
 }

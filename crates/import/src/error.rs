@@ -124,6 +124,30 @@ pub enum Problem {
         /// Their targets.
         targets: Vec<String>,
     },
+    /// A target that the stop of the path does not have.
+    #[error(
+        "target `{target}` is read where the path has {stop} with {}; a stop above is missing or one \
+         too many: compare the path in the map with the readings", targets.join(", ")
+    )]
+    NotPlanned {
+        /// The target.
+        target: String,
+        /// The stop that is next in the path.
+        stop: String,
+        /// Targets of that stop.
+        targets: Vec<String>,
+    },
+    /// Rows in another order than that of measuring.
+    #[error(
+        "the rows are not in measuring order: the time goes back here, and in the order of time they would be {stops_by_time} \
+         stops, not {stops}; sort the export by time"
+    )]
+    NotInMeasuringOrder {
+        /// Stops as the rows stand.
+        stops: usize,
+        /// Stops if they were sorted by time.
+        stops_by_time: usize,
+    },
     /// The stops are no whole number of rounds of the path.
     #[error(
         "the export has {}{}, a round of the path has {path}; {} too many or {} too few: compare the path in the \

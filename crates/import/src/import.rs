@@ -1,12 +1,13 @@
 //! The way from an export to a table.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use trueaxis_files::{Part, Place, csv_cell, read_bytes};
 
 use crate::cells::cells;
 use crate::clock::Clock;
-use crate::columns::{Columns, Names};
+use crate::columns::{Columns, Names, Source};
 use crate::decode::decode;
 use crate::map::Map;
 use crate::reader::{Fault, Reader};
@@ -90,7 +91,8 @@ pub fn import(kind: Kind, bytes: &[u8], file: Option<&Path>, map: &Map) -> Resul
         .map_err(|(index, problem)| map.refused(&format!("stops.path[{index}]"), problem))?;
     let (separator, separator_words) = map.separator()?;
 
-    // Which lines are rows?
+    // Which lines are rows? Spreadsheets end a table with lines of separators.
+    let is_blank = |c: char| c.is_whitespace() || c == separator || c == '"';
     let mut skipped = Vec::new();
     let mut names: Option<(usize, Vec<String>)> = None;
     let mut lines = Vec::new();
@@ -101,7 +103,7 @@ pub fn import(kind: Kind, bytes: &[u8], file: Option<&Path>, map: &Map) -> Resul
             .find(|mark| !mark.is_empty() && text.trim_start().starts_with(mark.as_str()));
         let reason = match comment {
             _ if line <= map.skip_lines => "before the table (skip_lines)".to_owned(),
-            _ if text.trim().is_empty() => "blank".to_owned(),
+            _ if text.chars().all(is_blank) => "blank".to_owned(),
             Some(mark) => format!("comment ({mark})"),
             None if names.is_none() && map.column_names != Some(false) => {
                 names = Some((line, cells(text, separator)));
@@ -147,12 +149,21 @@ pub fn import(kind: Kind, bytes: &[u8], file: Option<&Path>, map: &Map) -> Resul
         names,
     };
     let mut clock = Clock::default();
+    let is_timed =
+        matches!(&columns.time, Some((source, _)) if !matches!(source, Source::Value(_)));
+    let mut known = HashSet::new();
     let mut rows = Vec::new();
     let mut faults: Vec<(usize, Fault)> = Vec::new();
     for (line, cells) in lines {
         let is_mark = |mark: &&String| columns.cells().any(|cell| cells.get(cell) == Some(*mark));
         if let Some(mark) = map.skip_rows.iter().find(is_mark) {
             let reason = format!("a cell is \"{mark}\" (skip_rows)");
+            skipped.push(Skipped { line, reason });
+            continue;
+        }
+        // What has a time is measured once.
+        if is_timed && !known.insert(cells.clone()) {
+            let reason = "a copy of a row above".to_owned();
             skipped.push(Skipped { line, reason });
             continue;
         }

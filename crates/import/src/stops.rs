@@ -4,9 +4,11 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use crate::Problem;
+use crate::clock::DAY_S;
 use crate::columns::Columns;
-use crate::map::Map;
+use crate::map::{Leg, Map};
 use crate::path::{PlannedStop, directions};
+use crate::unit::Quantity;
 
 /// What a row of an export says itself.
 #[derive(Debug, Clone)]
@@ -53,6 +55,7 @@ pub(crate) fn visits(
         path => path.iter().map(order).collect(),
     };
     let stops = stops(&rows, &orders);
+    check_order(&rows, &orders, stops.len(), columns)?;
     if columns.target.is_none()
         && let Some((part, order)) = stops.iter().find(|(stop, order)| stop.len() != order.len())
     {
@@ -65,8 +68,8 @@ pub(crate) fn visits(
             },
         ));
     }
-    let (stops, orders): (Vec<Range<usize>>, Vec<&[String]>) = stops.into_iter().unzip();
     let planned = planned(&rows, &stops, path)?;
+    let (stops, orders): (Vec<Range<usize>>, Vec<&[String]>) = stops.into_iter().unzip();
     let first_rows = stops.iter().map(|stop| &rows[stop.start]);
     let at_stops = first_rows.zip(planned.iter().copied());
     let positions = at_stops
@@ -141,19 +144,65 @@ fn stops<'o>(rows: &[Row], orders: &'o [Vec<String>]) -> Vec<(Range<usize>, &'o 
     stops
 }
 
-/// The stop of the path for each stop; each station begins it anew.
+/// Refuses rows that were sorted, by target or otherwise: in the order of time they are fewer stops. Of a clock only the
+/// time of day counts, since each block of a sorted export may pass the same midnight.
+fn check_order(
+    rows: &[Row],
+    orders: &[Vec<String>],
+    stops_given: usize,
+    columns: &Columns,
+) -> Result<(), (usize, Problem)> {
+    let of_day = matches!(&columns.time, Some((_, unit)) if unit.quantity == Quantity::Clock);
+    let time_s = |row: &Row| match row.time_s.unwrap_or_default() {
+        time_s if of_day => time_s.rem_euclid(DAY_S),
+        time_s => time_s,
+    };
+    let mut pairs = rows.windows(2);
+    let Some(back) = pairs.find(|pair| time_s(&pair[1]) < time_s(&pair[0])) else {
+        return Ok(());
+    };
+    let mut by_time = rows.to_vec();
+    by_time.sort_by(|a, b| time_s(a).total_cmp(&time_s(b)));
+    let stops_by_time = stops(&by_time, orders).len();
+    if stops_by_time < stops_given {
+        let problem = Problem::NotInMeasuringOrder {
+            stops: stops_given,
+            stops_by_time,
+        };
+        return Err((back[1].line, problem));
+    }
+    Ok(())
+}
+
+/// The stop of the path for each stop, at which its targets must be read; each station begins it anew.
 fn planned<'p>(
     rows: &[Row],
-    stops: &[Range<usize>],
+    stops: &[(Range<usize>, &[String])],
     path: &'p [PlannedStop<'p>],
 ) -> Result<Vec<Option<&'p PlannedStop<'p>>>, (usize, Problem)> {
     if path.is_empty() {
         return Ok(vec![None; stops.len()]);
     }
     let mut planned = Vec::new();
-    for turn in stops.chunk_by(|a, b| rows[a.start].station == rows[b.start].station) {
+    let station = |stop: &Range<usize>| &rows[stop.start].station;
+    for turn in stops.chunk_by(|(a, _), (b, _)| station(a) == station(b)) {
+        for ((stop, order), planned) in turn.iter().zip(path.iter().cycle()) {
+            let Row { line, target, .. } = &rows[stop.start];
+            if let Some(target) = target
+                && !order.is_empty()
+                && !order.contains(target)
+            {
+                let Leg { run, axis, .. } = planned.leg;
+                let problem = Problem::NotPlanned {
+                    target: target.clone(),
+                    stop: format!("run `{run}` at {axis} {}", planned.position),
+                    targets: order.to_vec(),
+                };
+                return Err((*line, problem));
+            }
+        }
         if !turn.len().is_multiple_of(path.len()) {
-            let first = &rows[turn[0].start];
+            let first = &rows[turn[0].0.start];
             return Err((
                 first.line,
                 Problem::PartOfPath {

@@ -198,6 +198,82 @@ fn direction_and_repeat_follow_from_the_positions() {
     );
 }
 
+/// A stop that is missing is found where a target does not belong to the stop that is next in the path; it once shifted the
+/// stops behind it, since the target began a stop of its own and the count of stops was right again.
+#[test]
+fn a_missing_stop_does_not_shift_the_path() {
+    let map = format!(
+        "[columns]\ntarget = {{ column = \"T\" }}{COORDINATES}\
+         [axes]\nX = {{ unit = \"mm\" }}\nC = {{ unit = \"deg\" }}\n[stops]\npath = [\
+         {{ run = \"x\", axis = \"X\", positions = [0, 10], targets = [\"P\", \"Q\"] }},\
+         {{ run = \"c\", axis = \"C\", positions = [0, 90], targets = [\"U\", \"V\"] }}]"
+    );
+    let rows = "PQUVUV".chars().map(|target| format!("{target},1,2,3\n"));
+    let text = format!("T,X,Y,Z\n{}", rows.collect::<String>());
+    let error = imported(Kind::Points, &map, &text).unwrap_err().to_string();
+    let says = "line 4: target `U` is read where the path has run `x` at X 10 with P, Q; a stop above is missing";
+    assert!(error.contains(says), "{error}");
+}
+
+/// Rows with their times of day, over midnight, in the order of measuring and sorted by target.
+#[test]
+fn sorted_rows_are_no_repeats() {
+    let map = |time: &str| {
+        format!(
+            "[columns]\nrun = {{ value = \"x\" }}\ntime_s = {{ column = \"time\", unit = \"{time}\" }}\n\
+             target = {{ column = \"T\" }}{COORDINATES}[axes]\nX = {{ column = \"pos\", unit = \"mm\" }}"
+        )
+    };
+    let by_clock = [(0, "23:59:57"), (10, "23:59:59"), (20, "0:0:1")]
+        .map(|(pos, time)| ["P", "Q"].map(|target| format!("{time},{target},{pos},1,2,3\n")));
+    let by_seconds = [0, 10, 20].map(|pos| {
+        [(0, "P"), (1, "Q")].map(|(s, target)| format!("{},{target},{pos},1,2,3\n", pos + s))
+    });
+    for (unit, rows) in [("clock", by_clock), ("s", by_seconds)] {
+        let text = |rows: Vec<&String>| {
+            let rows: String = rows.into_iter().map(String::as_str).collect();
+            format!("time,T,pos,X,Y,Z\n{rows}")
+        };
+        let measured = text(rows.iter().flatten().collect());
+        assert_eq!(
+            imported(Kind::Points, &map(unit), &measured).unwrap().stops,
+            3
+        );
+        let sorted = text(
+            [0, 1]
+                .iter()
+                .flat_map(|&t| rows.iter().map(move |r| &r[t]))
+                .collect(),
+        );
+        let error = imported(Kind::Points, &map(unit), &sorted)
+            .unwrap_err()
+            .to_string();
+        let says = "line 5: the rows are not in measuring order: the time goes back here, and in the order of time they \
+                    would be 3 stops, not 6; sort the export by time";
+        assert!(error.contains(says), "{unit}: {error}");
+    }
+}
+
+/// A spreadsheet ends the table with lines of separators, an old one its lines with CR, and rows are copied by mistake.
+#[test]
+fn what_spreadsheets_leave_behind() {
+    let map = format!(
+        "[columns]\nrun = {{ value = \"x\" }}\ntime_s = {{ column = \"time\", unit = \"s\" }}\n\
+         target = {{ column = \"T\" }}{COORDINATES}[axes]\nX = {{ column = \"pos\", unit = \"mm\" }}"
+    );
+    let text = "time,T,pos,X,Y,Z\r0,P,0,1,2,3\r0,P,0,1,2,3\r1,P,9,1,2,3\r, ,,\r\"\",\"\"\r";
+    let imported = imported(Kind::Points, &map, text).unwrap();
+    assert_eq!((imported.rows.len(), imported.stops), (2, 2));
+    let reasons = imported.skipped.iter().map(|s| (s.line, s.reason.as_str()));
+    let expected = [
+        (1, "names of the columns"),
+        (3, "a copy of a row above"),
+        (5, "blank"),
+        (6, "blank"),
+    ];
+    assert_eq!(reasons.collect::<Vec<_>>(), expected);
+}
+
 /// Each mistake that a newcomer makes is said with its place and how to correct it.
 #[test]
 fn mistakes_are_explained() {

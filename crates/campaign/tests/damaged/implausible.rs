@@ -266,7 +266,7 @@ fn stops_of_one_target_are_said() {
         "lengths.csv: most stops have one target, though several are read at one position"
     ));
     files.lines("lengths.csv", |lines| {
-        lines.retain(|line| !line.contains(",Q,") && !line.contains(",K,"))
+        lines.retain(|line| !line.contains(",Q,") && !line.contains(",K,"));
     });
     let said = notices(&files);
     assert!(
