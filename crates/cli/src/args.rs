@@ -87,7 +87,7 @@ pub(crate) enum Verb {
 pub(crate) struct ResultArgs {
     /// Folder for the results [default: one in the current directory, named after the campaign].
     #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    pub(crate) out: Option<PathBuf>,
 
     /// Also print the result as JSON on standard output.
     #[arg(long)]
@@ -124,7 +124,7 @@ pub(crate) struct VolumeArgs {
 
     /// Nodes of the grid along each linear axis, from its first to its last step; the positions of
     /// all other axes are spread over their steps.
-    #[arg(long, value_name = "N", default_value_t = 21, value_parser = clap::value_parser!(u8).range(2..=128), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 21, value_parser = points, allow_negative_numbers = true)]
     pub(crate) points: u8,
 
     /// The tool point in the reference frame at home, mm, as `100,250,50` [default: the reference
@@ -316,6 +316,11 @@ fn draws(text: &str) -> Result<u16, String> {
     })
 }
 
+fn points(text: &str) -> Result<u8, &'static str> {
+    let number = text.parse().ok().filter(|n| (2..=128).contains(n));
+    number.ok_or("expected a whole number from 2 to 128")
+}
+
 fn seed(text: &str) -> Result<u64, &'static str> {
     text.parse().map_err(|_| "expected a whole number from 0")
 }
@@ -324,7 +329,9 @@ fn trials(text: &str) -> Result<usize, String> {
     let number = text.parse().ok();
     let enough = number.filter(|&n| n >= LEAST_DRAWS);
     enough.ok_or_else(|| {
-        format!("expected {LEAST_DRAWS} or more: fewer give no interval of 95 %, and 200000 are recommended (JCGM 101, 7.2.2)")
+        format!(
+            "expected a whole number from {LEAST_DRAWS}, such as 200000 as recommended (JCGM 101, 7.2.2): fewer give no interval of 95 %"
+        )
     })
 }
 

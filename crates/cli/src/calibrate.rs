@@ -13,7 +13,7 @@ use trueaxis_predict::{FactoredCovariance, OutputCovariance};
 use crate::args::CalibrateArgs;
 use crate::exit::Exit;
 use crate::talk::{notice, notice_all, say_all};
-use crate::{effects_input, summary};
+use crate::{effects_input, output, summary};
 
 /// Significance at which `--fail-on-misfit` rejects the model.
 const MISFIT_LEVEL: f64 = 1e-3;
@@ -24,6 +24,11 @@ const RELIABILITY_INDEX: &str = "reliability.json";
 
 pub(crate) fn execute(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     let campaign = read(&args.campaign)?;
+    let inputs = checksums(&args.campaign)?;
+    let replaced = match args.result.out {
+        Some(_) => None,
+        None => output::replaced(&campaign, &inputs)?,
+    };
     let settings = Settings {
         covariance: args.covariance,
         ..args.model.settings()
@@ -62,7 +67,7 @@ pub(crate) fn execute(args: &CalibrateArgs) -> anyhow::Result<Exit> {
         extra.push((OutputCovariance::MATRIX_FILE, covariance.to_npy()));
         extra.push((COVARIANCE_INDEX, index));
     }
-    calibration.traceability.inputs = checksums(&args.campaign)?;
+    calibration.traceability.inputs = inputs;
     let mut results = args.result.folder(&campaign.name)?;
     let lines = summary::lines(&campaign, &calibration, args.paper_signs);
     let is_rejected = rejects_the_model(&calibration);
@@ -70,6 +75,7 @@ pub(crate) fn execute(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     calibration.notices.splice(0..0, left_out);
     let notices = [&campaign.notices, &calibration.notices, &of_effects].map(Vec::as_slice);
     let mut notices = notices.concat();
+    notices.extend(replaced);
     // Where the first result cannot be written, none is.
     let text = calibration.to_json();
     results.write("calibration.json", text.as_bytes())?;

@@ -67,7 +67,9 @@ fn describe(campaign: &Campaign) {
         let carrier = target.carrier.map(|axis| machine.axes()[axis].name());
         format!("{} on {}", target.name, carrier.unwrap_or("the bed"))
     });
-    line("targets", &list(targets));
+    if !campaign.targets.is_empty() {
+        line("targets", &list(targets));
+    }
     if let Some(lengths) = &campaign.lengths {
         let stations = campaign.stations.iter().map(|s| s.name.clone());
         line("stations", &list(stations));

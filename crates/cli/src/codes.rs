@@ -197,7 +197,7 @@ fn of_diagnose(error: &Diagnose) -> &'static str {
 
 fn of_calibration(error: &ReadError) -> &'static str {
     match error {
-        ReadError::Unreadable { source, .. } => of_reading(source),
+        ReadError::File { problem, .. } => of_file(problem),
         ReadError::Document(error) => of_document(&error.problem, &error.place),
         ReadError::Machine(error) => of_campaign(&error.problem, &error.place),
         ReadError::Covariance { .. } => "E502",
@@ -251,7 +251,7 @@ fn of_compensate(error: &Compensate) -> &'static str {
 
 fn of_output(error: &OutputError) -> &'static str {
     match error {
-        OutputError::Exists { .. } => "E005",
+        OutputError::Exists { .. } | OutputError::OtherMachine { .. } => "E005",
         OutputError::File { .. } | OutputError::StandardOutput(_) => "E004",
     }
 }

@@ -182,14 +182,10 @@ pub(crate) fn in_folder(error: Error, folder: &Path) -> Error {
     }
 }
 
-/// The files of a folder in the order of their names; none of one that is not there.
+/// The files of a folder in the order of their names.
 fn names_in(folder: &Path) -> std::io::Result<Vec<String>> {
-    let entries = match std::fs::read_dir(folder) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
-        entries => entries?,
-    };
     let mut names = Vec::new();
-    for entry in entries {
+    for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
         if entry.path().is_file() {
             names.push(entry.file_name().to_string_lossy().into_owned());

@@ -31,32 +31,38 @@ pub(crate) fn execute(args: &InitArgs) -> anyhow::Result<Exit> {
         (&map, plan.map(args.points)),
         (&schema, trueaxis_campaign::schema()),
     ])?;
-    let line = |path: &Path, what: &str| say(&format!("written: {}: {what}", path.display()));
-    line(
-        &campaign,
-        "machine, targets, stations and runs; change what is not so",
-    );
-    line(
-        &template,
-        &format!(
-            "{} rows to measure; fill it in and save it as {kind}.csv",
-            table.lines().count() - 1
+    let rows = table.lines().count() - 1;
+    let rows = format!("{rows} rows to measure; fill it in and save it as {kind}.csv");
+    let of_map = "what the columns of a tracker's export mean, instead of filling in";
+    for (path, what) in [
+        (
+            &campaign,
+            "machine, targets, stations and runs; change what is not so",
         ),
-    );
-    line(
-        &map,
-        "what the columns of a tracker's export mean, instead of filling in",
-    );
-    line(&schema, "lets an editor complete and check campaign.json");
-    let (map, folder) = (map.display(), args.folder.join(kind));
+        (&template, rows.as_str()),
+        (&map, of_map),
+        (&schema, "lets an editor complete and check campaign.json"),
+    ] {
+        say(&format!("written: {}: {what}", path.display()));
+    }
+    let out = args.folder.join(format!("{kind}.csv"));
+    let [campaign, map, out] = [&campaign, &map, &out].map(|path| argument(path));
     say("next:");
     say(&format!(
-        "  trueaxis import {kind} EXPORT.txt --map {map} --out {}.csv",
-        folder.display()
+        "  trueaxis import {kind} EXPORT.txt --map {map} --out {out}"
     ));
-    say(&format!("  trueaxis check {}", campaign.display()));
-    say(&format!("  trueaxis calibrate {}", campaign.display()));
+    say(&format!("  trueaxis check {campaign}"));
+    say(&format!("  trueaxis calibrate {campaign}"));
     Ok(Exit::Good)
+}
+
+/// A path as a shell takes it for one argument.
+fn argument(path: &Path) -> String {
+    let path = path.display().to_string();
+    match path.contains(char::is_whitespace) {
+        true => format!("\"{path}\""),
+        false => path,
+    }
 }
 
 /// The template with its name; with points there are no stations.

@@ -4,6 +4,9 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use serde_json::{Value, json};
+use trueaxis_campaign::{Campaign, InputFile};
+
 use crate::report;
 use crate::talk::say;
 
@@ -21,6 +24,11 @@ pub(crate) enum OutputError {
         path.display()
     )]
     Exists { path: PathBuf },
+    #[error(
+        "{} is of another machine, {machine}, whose campaign has the same name; choose another place with --out",
+        path.display()
+    )]
+    OtherMachine { path: PathBuf, machine: String },
     #[error("standard output cannot be written")]
     StandardOutput(#[source] io::Error),
 }
@@ -122,6 +130,27 @@ pub(crate) fn folder(given: Option<&Path>, campaign: &str) -> Result<PathBuf, Ou
     let path = given.map_or_else(|| PathBuf::from(file_name(campaign)), Path::to_path_buf);
     std::fs::create_dir_all(&path).map_err(OutputError::at(&path))?;
     Ok(path)
+}
+
+/// Refuses to replace the calibration of another machine in a folder that only its name chose. That of other data of the machine
+/// can be made again: a notice.
+pub(crate) fn replaced(
+    campaign: &Campaign,
+    inputs: &[InputFile],
+) -> Result<Option<String>, OutputError> {
+    let path = Path::new(&file_name(&campaign.name)).join("calibration.json");
+    let earlier = std::fs::read(&path).ok();
+    let earlier: Option<Value> = earlier.and_then(|bytes| serde_json::from_slice(&bytes).ok());
+    let earlier = earlier.unwrap_or_default();
+    let machine = earlier["machine"]["name"].as_str().unwrap_or_default();
+    if !machine.is_empty() && machine != campaign.machine_name {
+        let machine = machine.to_owned();
+        return Err(OutputError::OtherMachine { path, machine });
+    }
+    let before = &earlier["traceability"]["inputs"];
+    let is_other = before.is_array() && *before != json!(inputs);
+    let path = path.display();
+    Ok(is_other.then(|| format!("{path} was of other data and is replaced; --out keeps both")))
 }
 
 /// Writes a result whole or not at all.

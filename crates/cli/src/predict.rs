@@ -2,7 +2,7 @@
 
 use serde_json::json;
 use trueaxis_campaign::read_positions;
-use trueaxis_files::{counted, point_mm};
+use trueaxis_files::{counted, point_mm, round};
 use trueaxis_kinematics::{ARCSEC, MICROMETRE};
 use trueaxis_predict::{CalibratedMachine, Prediction, to_csv};
 
@@ -114,7 +114,7 @@ fn summary(
     let outside = predictions.iter().filter(|p| p.extrapolated).count();
     let positions = counted(predictions.len(), "position");
     let mut all = vec![match machine.has_uncertainties {
-        true => format!("{positions}; ± is U for k = {k:.2}"),
+        true => format!("{positions}; ± is U for k = {}", round(k, 2)),
         false => positions,
     }];
     all.extend(largest("displacement", 0, MICROMETRE, "µm"));

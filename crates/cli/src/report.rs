@@ -6,11 +6,13 @@ use trueaxis_report::{Report, report};
 
 use crate::args::ReportArgs;
 use crate::exit::Exit;
-use crate::given_file::read_text;
+use crate::given_file::{Unreadable, read_text};
 use crate::output;
 use crate::talk::{notice, say};
 
 pub(crate) fn execute(args: &ReportArgs) -> anyhow::Result<Exit> {
+    let wanted = "report wants the folder that `calibrate` and other verbs wrote";
+    std::fs::metadata(&args.folder).map_err(Unreadable::at(&args.folder, wanted))?;
     let wanted = "--template wants a template of a report";
     let template = args.template.as_deref();
     let template = template.map(|file| read_text(file, wanted)).transpose()?;

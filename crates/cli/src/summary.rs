@@ -301,7 +301,7 @@ fn misfits(calibration: &Calibration) -> Vec<String> {
         lines.push("the measured triangle is not the nominal one:".to_owned());
         for side in &calibration.triangle {
             lines.push(format!(
-                "  {}{}  measured {:.4} mm, nominal {:.4} mm, difference {:+.1} µm",
+                "  {} to {}  measured {:.4} mm, nominal {:.4} mm, difference {:+.1} µm",
                 side.targets[0],
                 side.targets[1],
                 side.measured_mm,

@@ -105,6 +105,9 @@ impl Format {
                     problem: "it does not begin with a brace: is this the right file?".to_owned(),
                 }
             }
+            _ if error.is_eof() => DocumentProblem::Syntax {
+                problem: "it ends too early: was it saved completely?".to_owned(),
+            },
             _ => DocumentProblem::Syntax { problem: message },
         };
         DocumentError { place, problem }
@@ -230,6 +233,13 @@ mod tests {
         ] {
             let start = r#"{"format": "trueaxis-campaign", "version": 1, "#;
             assert_eq!(refusal(&format!("{start}{rest}}}")).to_string(), expected);
+        }
+        for cut in [
+            r#"{"format": "trueaxis-camp"#,
+            r#"{"format": "trueaxis-campaign", "version": 1"#,
+        ] {
+            let refused = refusal(cut).to_string();
+            assert!(refused.contains("was it saved completely?"), "{refused}");
         }
         for table in ["time_s,station\n", "x,y\n", "# points\n"] {
             let refused = refusal(table).to_string();

@@ -107,7 +107,7 @@ pub(crate) struct MontecarloArgs {
     pub(crate) digits: Option<u32>,
 
     /// Number of threads [default: all].
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     pub(crate) threads: Option<NonZeroUsize>,
 
     #[command(flatten)]
@@ -164,6 +164,10 @@ pub(crate) enum MethodArg {
     Nine,
     /// Free points first, then six equations of each step (the paper's closed path).
     Six,
+}
+
+fn threads(text: &str) -> Result<NonZeroUsize, &'static str> {
+    text.parse().map_err(|_| "expected a whole number from 1")
 }
 
 fn reference_point(text: &str) -> Result<ReferencePoint, String> {

@@ -9,6 +9,9 @@ use crate::diagnose::{causes, in_words};
 /// A group whose misfit is so much larger than that of all is worth its name.
 const STANDS_OUT: f64 = 1.15;
 
+/// Of an axis that does not move, µm: the prediction is sure but for rounding.
+const ROUNDING_UM: f64 = 1e-6;
+
 /// Groups that are named.
 const MOST_PLACES: usize = 2;
 
@@ -199,7 +202,7 @@ fn off(level: &LevelReport) -> Vec<String> {
         in_words::amount(level.before.rms_um, 2),
         in_words::amount(level.noise_floor_um, 2)
     );
-    if let Some(u_um) = level.prediction_u_um {
+    if let Some(u_um) = level.prediction_u_um.filter(|&u_um| u_um > ROUNDING_UM) {
         let u_um = in_words::amount(u_um, 2);
         text += &format!(", and the prediction is uncertain by {u_um} µm (u, rms)");
     }

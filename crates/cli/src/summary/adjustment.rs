@@ -1,6 +1,7 @@
 //! How the measurement was adjusted, as the table says it.
 
 use trueaxis_calibrate::Calibration;
+use trueaxis_files::round;
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_poses::{NoiseReport, PartReport, ScaleBasis};
 use trueaxis_predict::coverage_factor;
@@ -141,9 +142,9 @@ fn coverage(calibration: &Calibration) -> String {
         components.chain(axis.location_errors.iter().map(|location| location.dof))
     });
     let least = of_axes.fold(f64::INFINITY, f64::min);
-    let factor = coverage_factor(least);
+    let factor = round(coverage_factor(least), 2);
     if factor > COVERAGE {
-        format!("U is for 95 % (Student): k = {COVERAGE} to {factor:.2}")
+        format!("U is for 95 % (Student): k = {COVERAGE} to {factor}")
     } else {
         format!("U is for k = {COVERAGE}")
     }

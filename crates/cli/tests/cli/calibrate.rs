@@ -99,6 +99,37 @@ fn matrices_of_an_earlier_calibration_are_named() {
     }
 }
 
+/// Two campaigns of one name have one default folder; the second once took the place of the first without a word.
+#[test]
+fn a_calibration_of_another_machine_is_not_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let again = |options: &[&str]| calibrate(folder.path(), "rotary-stage", options);
+    let path = folder.path().join("rotary-stage/calibration.json");
+    let change = |from: &str, to: &str| {
+        let text = fs::read_to_string(&path).unwrap();
+        assert!(text.contains(from));
+        fs::write(&path, text.replacen(from, to, 1)).unwrap();
+    };
+    again(&[]).assert_good();
+    let outcome = again(&[]);
+    outcome.assert_good();
+    assert!(!outcome.stderr.contains("replaced"), "{}", outcome.stderr);
+    change("\"sha256\": \"", "\"sha256\": \"0");
+    let outcome = again(&[]);
+    outcome.assert_good();
+    let says = "calibration.json was of other data and is replaced; --out keeps both";
+    assert!(outcome.stderr.contains(says), "{}", outcome.stderr);
+    change(
+        "\"machine\": {\n    \"name\": \"",
+        "\"machine\": {\n    \"name\": \"old ",
+    );
+    let before = contents(folder.path());
+    let says = "rotary-stage/calibration.json … is of another machine, old … --out";
+    again(&[]).assert_failed("another machine", USAGE, says);
+    assert_eq!(contents(folder.path()), before);
+    again(&["--out", "elsewhere"]).assert_good();
+}
+
 #[test]
 fn folder_that_cannot_be_made() {
     let folder = tempfile::tempdir().unwrap();

@@ -221,7 +221,11 @@ fn old_tables_are_kept() {
         "X.comp line 1 … the control reads no further",
     );
     let outcome = export(&folder, "linuxcnc", &["--onto", "nowhere"]);
-    outcome.assert_failed("no folder", 3, "nowhere has none of X.comp, Y.comp, Z.comp");
+    outcome.assert_failed(
+        "no folder",
+        3,
+        "nowhere cannot be read; --onto wants the folder of the old tables",
+    );
     let outcome = export(&folder, "grid", &["--onto", "old"]);
     outcome.assert_failed("another format", 3, "old has none of grid.csv");
     for format in ["isg", "etalon", "klipper"] {

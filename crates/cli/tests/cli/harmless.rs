@@ -119,9 +119,9 @@ fn calibrated_nevertheless() {
             change: |files| files.scale("length_mm", 1.001),
             says: &[
                 "the measured triangle is not the nominal one",
-                "PQ",
-                "PK",
-                "QK",
+                "P to Q",
+                "P to K",
+                "Q to K",
             ],
         },
     ] {

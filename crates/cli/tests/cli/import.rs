@@ -205,6 +205,10 @@ fn nothing_is_overwritten_or_left_half_done() {
         USAGE,
         "cannot be written",
     );
+    let outcome = run(folder.path(), &["init", "a new one"]);
+    outcome.assert_good();
+    let says = "check \"a new one/campaign.json\"\n";
+    assert!(outcome.stderr.contains(says), "{}", outcome.stderr);
     // The campaign is what matters; without it the template.
     run(folder.path(), &["init", "new"]).assert_good();
     let again = run(folder.path(), &["init", "new", "--type", "rotary-stage"]);

@@ -74,8 +74,8 @@ fn too_few_trials_are_a_wrong_command_line() {
     let folder = tempfile::tempdir().unwrap();
     let file = rotary_stage();
     for (options, says) in [
-        (["--trials", "99"], "expected 100 or more"),
-        (["--trials", "-5"], "expected 100 or more"),
+        (["--trials", "99"], "expected a whole number from 100"),
+        (["--trials", "-5"], "expected a whole number from 100"),
         (["--digits", "9"], "--digits"),
         (["--trials", "1000000000"], "bytes"),
     ] {

@@ -159,11 +159,14 @@ fn another_file_is_no_calibration() {
         WRONG_INPUT,
         "positions.csv line 1 … `A` is unknown",
     );
+    let outcome = run(folder.path(), &["volume", "calibrated"]);
+    let says = "error[E002]: calibrated: this is a folder, expected a file; give the path of a calibration.json";
+    outcome.assert_failed("its folder", WRONG_INPUT, says);
     fs::remove_file(folder.path().join("calibrated/covariance.npz")).unwrap();
     let outcome = predict(folder.path(), TABLE, &[]);
     outcome.assert_failed(
         "half of it",
         WRONG_INPUT,
-        "covariance.npz cannot be read; it belongs beside calibration.json",
+        "covariance.npz: there is no such file; it belongs beside calibration.json",
     );
 }

@@ -113,6 +113,8 @@ fn without_a_result_there_is_no_report() {
         3,
         "calibration.json … diagnosis.json",
     );
+    let says = "error[E001]: no-folder cannot be read; report wants the folder";
+    run(folder.path(), &["report", "no-folder"]).assert_failed("no folder", 3, says);
     fs::write(folder.path().join("a-file"), "").unwrap();
     let says = "error[E504]: a-file holds neither … give the folder";
     run(folder.path(), &["report", "a-file"]).assert_failed("a file", 3, says);

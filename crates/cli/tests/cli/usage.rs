@@ -119,7 +119,15 @@ fn wrong_command_lines() {
         ),
         (
             vec!["volume", "calibration.json", "--points", "-3"],
-            "-3 is not in 2..=128",
+            "expected a whole number from 2 to 128",
+        ),
+        (
+            vec!["montecarlo", "campaign.json", "--threads", "0"],
+            "expected a whole number from 1",
+        ),
+        (
+            vec!["montecarlo", "campaign.json", "--trials", "1e6"],
+            "expected a whole number from 100, such as 200000",
         ),
         (
             vec!["export", "grid", "calibration.json", "--step", "-5"],

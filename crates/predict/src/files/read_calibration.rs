@@ -9,7 +9,7 @@ use nalgebra::{Point3, Vector6};
 use serde::Deserialize;
 use trueaxis_campaign::{Direction, MachineSpec};
 use trueaxis_effects::GivenEffect;
-use trueaxis_files::{DocumentError, DocumentProblem, Format, field_line};
+use trueaxis_files::{DocumentError, DocumentProblem, Format, field_line, read_bytes};
 use trueaxis_kinematics::{AxisKind, Component, LocationError, Machine, MotionError};
 
 use crate::calibrated_machine::{CalibratedMachine, MeasuredAxis};
@@ -84,11 +84,8 @@ impl CalibratedMachine {
     /// # Errors
     /// [`ReadError`]: where, what was found, and what to do.
     pub fn read(path: &Path) -> Result<Self, ReadError> {
-        let text = std::fs::read_to_string(path).map_err(|source| ReadError::Unreadable {
-            path: path.to_owned(),
-            hint: "give the path of a calibration.json",
-            source,
-        })?;
+        let bytes = read_file(path, "give the path of a calibration.json")?;
+        let text = String::from_utf8_lossy(&bytes);
         let document: Document = Self::FORMAT.read(&text, Some(path))?;
         let machine = document.machine.build().map_err(|mut error| {
             error.place.file = Some(path.to_owned());
@@ -287,11 +284,9 @@ impl Measured {
         stations: usize,
     ) -> Result<FactoredCovariance, ReadError> {
         let path = calibration.with_file_name(FactoredCovariance::FILE);
-        let bytes = std::fs::read(&path).map_err(|source| ReadError::Unreadable {
-            path: path.clone(),
-            hint: "it belongs beside calibration.json; copy it there, or calibrate the campaign again",
-            source,
-        })?;
+        let hint =
+            "it belongs beside calibration.json; copy it there, or calibrate the campaign again";
+        let bytes = read_file(&path, hint)?;
         let factors = self.factors(&bytes, stations);
         factors.map_err(|problem| ReadError::Covariance { path, problem })
     }
@@ -332,3 +327,9 @@ fn no_u(unit: Unit, field: String) -> DocumentError {
 /// rounds (µm, ″ or mm).
 const SAME_U: f64 = 1e-4;
 const ROUNDED_U: f64 = 1e-5;
+fn read_file(path: &Path, hint: &str) -> Result<Vec<u8>, ReadError> {
+    read_bytes(path, hint).map_err(|problem| ReadError::File {
+        path: path.to_owned(),
+        problem,
+    })
+}

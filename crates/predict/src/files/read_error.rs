@@ -1,22 +1,19 @@
 //! What can be wrong with the files of a calibration.
 
-use std::io;
 use std::path::PathBuf;
 
-use trueaxis_files::{DocumentError, NpzError};
+use trueaxis_files::{DocumentError, FileProblem, NpzError};
 
 /// A calibration that cannot be read from its files.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// A file cannot be read.
-    #[error("{} cannot be read; {hint}", path.display())]
-    Unreadable {
+    #[error("{}: {problem}", path.display())]
+    File {
         /// The file.
         path: PathBuf,
-        /// What to do.
-        hint: &'static str,
-        /// The reason of the operating system.
-        source: io::Error,
+        /// Why, and what to do.
+        problem: FileProblem,
     },
     /// `calibration.json` is wrong.
     #[error(transparent)]
@@ -68,7 +65,9 @@ pub enum CovarianceProblem {
         name: &'static str,
     },
     /// Its uncertainties are others.
-    #[error("the standard uncertainty of {result} is {found}, in calibration.json {expected}")]
+    #[error(
+        "the standard uncertainty of {result} is {found:.6}, in calibration.json {expected:.6}"
+    )]
     OtherUncertainty {
         /// Name and unit of the result.
         result: String,
