@@ -72,7 +72,7 @@ const ENOUGH: f64 = 0.5;
 const TRACE: f64 = 1e-3;
 
 impl Fitted {
-    /// The group that shows the effect most, over the quantity of which the effect is the smoothest function; `None` if
+    /// The group with the largest effect, over the quantity of which the effect is the smoothest function; `None` if
     /// the readings do not show it.
     pub(crate) fn new(rows: &[Row], name: impl Fn(usize) -> String, scene: &Scene) -> Option<Self> {
         Self::of_coordinates(rows, 1, name, scene)
@@ -85,15 +85,18 @@ impl Fitted {
         name: impl Fn(usize) -> String,
         scene: &Scene,
     ) -> Option<Self> {
-        let of_group = in_noise(rows);
-        let groups = of_group.len().checked_sub(1)?;
+        let groups = rows.iter().map(|row| row.group).max()?;
+        let mut of_group = vec![0.0; groups + 1];
+        for row in rows {
+            of_group[row.group] += row.fitted * row.fitted;
+        }
         let group = (0..=groups).rev();
         let group = group.max_by(|&a, &b| of_group[a].total_cmp(&of_group[b]))?;
-        if !(of_group[group] > 0.0 && of_group[group].is_finite()) {
+        let all = of_group[group];
+        if !(all > 0.0 && all.is_finite()) {
             return None;
         }
         let own = |group: usize| rows.iter().filter(move |row| row.group == group);
-        let all: f64 = own(group).map(|row| row.fitted.powi(2)).sum();
         let mut axes: Vec<usize> = own(group).flat_map(|r| &r.moving).map(|m| m.0).collect();
         axes.sort_unstable();
         axes.dedup();
@@ -113,7 +116,7 @@ impl Fitted {
         };
         let first = group - group % coordinates;
         let others = (first..first + coordinates).filter(|&k| k != group && k <= groups);
-        let others = others.filter(|&k| of_group[k] > TRACE * of_group[group]);
+        let others = others.filter(|&k| of_group[k] > TRACE * all);
         Some(Self {
             beside: others.map(panel).collect(),
             ..panel(group)
@@ -130,27 +133,14 @@ impl Fitted {
     }
 }
 
-/// Squares of the effect in each group, in units of its noise (mean: an error that is zero by definition has none).
-fn in_noise(rows: &[Row]) -> Vec<f64> {
-    let groups = rows.iter().map(|row| row.group + 1).max().unwrap_or(0);
-    let mut of_group = vec![[0.0; 3]; groups];
-    for row in rows {
-        let [effect, noise, count] = &mut of_group[row.group];
-        *effect += row.fitted * row.fitted;
-        *noise += row.u * row.u;
-        *count += 1.0;
-    }
-    let of_group = of_group.into_iter();
-    let in_noise = of_group.map(|[effect, noise, count]| match noise > 0.0 {
-        true => effect * count / noise,
-        false => 0.0,
-    });
-    in_noise.collect()
-}
-
-/// The most that a group shows of the effect, in squares of the noise.
+/// The most that a group shows of the effect, in squares of the noise of its readings.
 pub(crate) fn most_shown(rows: &[Row]) -> f64 {
-    in_noise(rows).into_iter().fold(0.0, f64::max)
+    let groups = rows.iter().map(|row| row.group + 1).max().unwrap_or(0);
+    let mut of_group = vec![0.0; groups];
+    for row in rows {
+        of_group[row.group] += (row.fitted / row.u).powi(2);
+    }
+    of_group.into_iter().fold(0.0, f64::max)
 }
 
 /// Time, or the position of an axis, with the size of its unit.
