@@ -226,7 +226,7 @@ fn table(curves: &[&[Difference]]) -> Vec<String> {
         let line = format!(
             "  {:12} {:>14.2} {symbol} {expanded}  {said}",
             largest.name,
-            largest.value() / unit,
+            round(largest.value() / unit, 2),
         );
         lines.push(line.trim_end().to_owned());
     }

@@ -4,11 +4,11 @@ use serde_json::json;
 use trueaxis_campaign::{VerificationKind, checksums};
 use trueaxis_compensate::{
     Circular, EXPECTED_ABOVE_ONE, ParallelLines, Point, Positioning, Verified, parallel_lines,
-    verification_json, verify,
+    verification_json, verify, verify_notices,
 };
-use trueaxis_files::{counted, round, told_behind};
+use trueaxis_files::counted;
 use trueaxis_kinematics::ARCSEC;
-use trueaxis_predict::{CalibratedMachine, position_in_file};
+use trueaxis_predict::CalibratedMachine;
 
 use crate::args::VerifyArgs;
 use crate::check::read_out;
@@ -34,12 +34,7 @@ pub(crate) fn execute(args: &VerifyArgs) -> anyhow::Result<Exit> {
     );
     let mut notices = campaign.notices.clone();
     notices.extend(read_out(&campaign));
-    notices.extend(outside_steps(&machine, &verified));
-    notices.extend(
-        verified
-            .iter()
-            .filter_map(|entry| far_off(&machine, entry, args.compensated)),
-    );
+    notices.extend(verify_notices(&machine, &verified, args.compensated));
     let mistakes = mistaken(&verified, args.compensated).into_iter();
     notices.extend(mistakes.map(|(name, what)| format!("{name}: {what}")));
     if !notices.is_empty() {
@@ -62,55 +57,6 @@ pub(crate) fn execute(args: &VerifyArgs) -> anyhow::Result<Exit> {
     results.end(args.result.json.then_some(&text))?;
     let is_rejected = verified.iter().any(Verified::is_misfit);
     Ok(Exit::of_misfit(args.fail_on_misfit && is_rejected))
-}
-
-/// Readings where an axis stands outside the steps at which it was calibrated, as notices.
-fn outside_steps(machine: &CalibratedMachine, verified: &[Verified]) -> Vec<String> {
-    let said = verified.iter().filter_map(|entry| {
-        let outside = |point: &&Point| !machine.is_within_steps(&point.positions);
-        let count = entry.points.iter().filter(outside).count();
-        (count > 0).then(|| {
-            format!(
-                "{}: at {count} of its {} places an axis stands outside its calibrated steps; the errors of its nearest step are taken there, \
-                 with a larger u",
-                entry.name,
-                entry.points.len()
-            )
-        })
-    });
-    said.collect()
-}
-
-/// The notice about a place whose reading is likely mistyped.
-fn far_off(machine: &CalibratedMachine, entry: &Verified, is_compensated: bool) -> Option<String> {
-    let (point, off_um) = entry.far_off(is_compensated)?;
-    let axes = machine
-        .machine()
-        .axes()
-        .iter()
-        .zip(&point.positions)
-        .enumerate();
-    let moves = |axis: usize| {
-        entry
-            .points
-            .iter()
-            .any(|p| p.positions[axis].total_cmp(&point.positions[axis]).is_ne())
-    };
-    let at = axes.filter(|(axis, _)| moves(*axis)).map(|(_, (axis, q))| {
-        let unit = told_behind(axis.kind().position_unit(), ' ');
-        format!(
-            "{} = {}{unit}",
-            axis.name(),
-            round(position_in_file(axis.kind(), *q), 4)
-        )
-    });
-    let at: Vec<String> = at.collect();
-    Some(format!(
-        "{}: at {} it is {off_um:+.1} µm off what all others differ by from the prediction, and shifts them with the zero: is a \
-         reading mistyped? `trueaxis diagnose --calibration` names its line",
-        entry.name,
-        at.join(", ")
-    ))
 }
 
 /// What may be mistaken about readings that contradict their prediction, with the name of each verification.

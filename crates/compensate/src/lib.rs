@@ -35,6 +35,7 @@ pub use sizes::Sizes;
 pub use verify::iso_230_2::{Positioning, Side};
 pub use verify::iso_230_4::Circular;
 pub use verify::mistaken::Mistaken;
+pub use verify::notices::verify_notices;
 pub use verify::parallel_lines::{AngleCurve, ParallelLines, parallel_lines};
 pub use verify::{
     Checked, EXPECTED_ABOVE_ONE, Point, Verified, uncompensated, verification_json, verify,

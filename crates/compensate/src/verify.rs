@@ -16,6 +16,7 @@ pub(crate) mod iso_230_4;
 mod json;
 mod misfit;
 pub(crate) mod mistaken;
+pub(crate) mod notices;
 pub(crate) mod parallel_lines;
 mod point_checks;
 
