@@ -30,12 +30,8 @@ pub(crate) fn check<R: Reading>(
     if goes_back.is_some() {
         check_order(file, stops, readings)?;
     }
-    let notices = [
-        goes_back,
-        too_fast(name, readings),
-        one_by_one(name, stops, readings),
-    ];
-    Ok(notices.into_iter().flatten().collect())
+    let others = [too_fast(name, readings), one_by_one(name, stops, readings)];
+    Ok(others.into_iter().chain([goes_back]).flatten().collect())
 }
 
 /// So often a clock is set back in a campaign, by a restart or at midnight; tables that were sorted go back more often.
@@ -94,22 +90,25 @@ impl Groups {
     }
 }
 
-/// A notice if most stops have one target, though others are read alone at the same position.
+/// A notice if most stops have one target, though others are read alone at the same position, and no clock says that it was so.
 fn one_by_one<R: Reading>(name: &str, stops: &[Stop], readings: &[R]) -> Option<String> {
-    let mut places = HashMap::new();
+    let later_s = |two: &[R]| two[1].time_s() - two[0].time_s();
+    let steps_s: Vec<f64> = readings.windows(2).map(later_s).collect();
+    let is_numbered = steps_s
+        .windows(2)
+        .all(|two| two[0].total_cmp(&two[1]).is_eq());
+    let mut alone: HashMap<_, Vec<_>> = HashMap::new();
     for stop in stops {
-        let [reading] = readings_of(stop, readings) else {
-            continue;
-        };
-        let target = reading.target();
-        let place = places.entry((stop.station, stop.step));
-        let (first, has_several, count) = place.or_insert((target, false, 0));
-        *has_several |= *first != target;
-        *count += 1;
+        if let [reading] = readings_of(stop, readings) {
+            let place = alone.entry((stop.station, stop.step)).or_default();
+            place.push(reading.target());
+        }
     }
-    let several = places.values().filter(|(_, has_several, _)| *has_several);
-    let alone: usize = several.map(|(.., count)| count).sum();
-    (2 * alone > stops.len()).then(|| {
+    let several = alone
+        .values()
+        .filter(|own| own.iter().any(|target| *target != own[0]));
+    let count: usize = several.map(Vec::len).sum();
+    (is_numbered && 2 * count > stops.len()).then(|| {
         format!(
             "{name}: most stops have one target, though several are read at one position; if the machine stood still between them, \
              the rows were sorted: put them into measuring order, or the noise comes out wrong"
