@@ -267,25 +267,26 @@ pub(crate) fn refine(listed: &Listed, causes: &mut [Chosen]) {
     }
     let is_continuous = |k: &usize| candidate(&causes[*k]).is_continuous();
     let continuous: Vec<usize> = (0..causes.len()).filter(is_continuous).collect();
-    if continuous.len() < 2 {
-        return;
+    if continuous.len() > 1 {
+        settle_together(listed, causes, &continuous);
     }
-    // Two time constants hide each other: one at a time creeps, and goes on along the change of the round (Powell 1964).
+}
+
+/// Settles several shapes: one at a time creeps where they hide each other, as two time constants do, and goes on along
+/// the change of each round (Powell 1964).
+fn settle_together(listed: &Listed, causes: &mut [Chosen], continuous: &[usize]) {
     for _ in 0..MOST_ROUNDS {
-        let before: Vec<f64> = continuous.iter().map(|&k| causes[k].shape).collect();
-        for &k in &continuous {
+        let before = causes.to_vec();
+        for &k in continuous {
             let model = listed.with(&without(causes, k));
-            causes[k].shape = candidate(&causes[k]).settled(&model, causes[k].shape);
+            let candidate = &listed.candidates[causes[k].candidate];
+            causes[k].shape = candidate.settled(&model, causes[k].shape);
         }
-        let ratios: Vec<f64> = continuous
-            .iter()
-            .zip(&before)
-            .map(|(&k, b)| causes[k].shape / b)
-            .collect();
+        let after = causes.to_vec();
         let farther = |times: f64| {
-            let mut moved = causes.to_vec();
-            for (&k, ratio) in continuous.iter().zip(&ratios) {
-                moved[k].shape *= ratio.powf(times);
+            let mut moved = after.clone();
+            for &k in continuous {
+                moved[k].shape *= (after[k].shape / before[k].shape).powf(times);
             }
             moved
         };
@@ -293,11 +294,10 @@ pub(crate) fn refine(listed: &Listed, causes: &mut [Chosen]) {
             |times: f64| Fit::new(&listed.base, &listed.columns(&farther(times))).gained();
         let times = golden_section([0.0, FARTHEST], |a, b| b - a < EXACT, explained);
         if explained(times) > explained(0.0) {
-            let moved = farther(times);
-            causes.copy_from_slice(&moved);
+            causes.copy_from_slice(&farther(times));
         }
-        let rests = |(&k, b): (&usize, &f64)| (causes[k].shape / b - 1.0).abs() < RESTS;
-        if continuous.iter().zip(&before).all(rests) {
+        let moves = |&k: &usize| (causes[k].shape / before[k].shape - 1.0).abs() >= RESTS;
+        if !continuous.iter().any(moves) {
             return;
         }
     }
