@@ -1,7 +1,7 @@
 //! How a calibration differs from an earlier one of the same machine.
 
-use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::Map;
 use trueaxis_files::{decimals, told_behind};
 
 use crate::components::{SIZE, thinned};
@@ -20,8 +20,16 @@ pub(crate) struct Comparison {
     pub(crate) second: String,
     /// The axes whose positions are degrees.
     rotary_axes: Vec<String>,
-    /// A [`Difference`] by the name of each curve and location error, in their order.
-    differences: Map<String, Value>,
+    /// Curves and location errors by name, in their order.
+    #[serde(deserialize_with = "in_order")]
+    differences: Vec<(String, Difference)>,
+}
+
+/// The members of an object in their order, without those that are none.
+fn in_order<'de, D: Deserializer<'de>>(object: D) -> Result<Vec<(String, Difference)>, D::Error> {
+    let all = Map::deserialize(object)?.into_iter();
+    let read = all.filter_map(|(name, value)| Some((name, Difference::deserialize(value).ok()?)));
+    Ok(read.collect())
 }
 
 /// A curve, or a location error: second less first.
@@ -56,19 +64,13 @@ struct Row {
 }
 
 impl Comparison {
-    fn all(&self) -> impl Iterator<Item = (&str, Difference)> {
-        let all = self.differences.iter();
-        all.filter_map(|(name, value)| Some((name.as_str(), Difference::deserialize(value).ok()?)))
-    }
-
     /// The errors that have changed by more than the noise; `None` if that is not known.
     pub(crate) fn changed(&self) -> Option<Vec<&str>> {
-        let is_known = self
-            .all()
-            .all(|(_, own)| own.values().all(|(_, u)| u.is_some()));
+        let mut all = self.differences.iter();
+        let is_known = all.all(|(_, own)| own.values().all(|(_, u)| u.is_some()));
         let is_changed = |own: &Difference| own.beyond_noise > 0 && !own.follows_from_other_steps;
-        let changed = self.all().filter(|(_, own)| is_changed(own));
-        is_known.then(|| changed.map(|(name, _)| name).collect())
+        let changed = self.differences.iter().filter(|(_, own)| is_changed(own));
+        is_known.then(|| changed.map(|(name, _)| name.as_str()).collect())
     }
 
     /// What it amounts to.
@@ -182,17 +184,12 @@ impl Difference {
 
 impl ComparisonSection {
     pub(crate) fn new(comparison: &Comparison) -> Self {
-        let rotary_axes = &comparison.rotary_axes;
-        let figures = comparison
-            .all()
-            .filter_map(|(name, own)| own.figure(name, rotary_axes));
+        let all = &comparison.differences;
+        let figure = |(name, own): &(String, Difference)| own.figure(name, &comparison.rotary_axes);
         Self {
             first: comparison.first.clone(),
-            rows: comparison
-                .all()
-                .filter_map(|(name, own)| own.row(name))
-                .collect(),
-            figures: figures.collect(),
+            rows: all.iter().filter_map(|(name, own)| own.row(name)).collect(),
+            figures: all.iter().filter_map(figure).collect(),
         }
     }
 }

@@ -87,6 +87,14 @@ struct Point {
 }
 
 impl Point {
+    /// What the calibration predicts, with compensation or without.
+    fn expected_um(&self, compensated: bool) -> f64 {
+        match compensated {
+            true => self.compensated_um,
+            false => self.predicted_um,
+        }
+    }
+
     fn expanded_prediction_um(&self) -> f64 {
         COVERAGE * self.u_prediction_um.unwrap_or(0.0)
     }
@@ -164,10 +172,7 @@ impl VerificationSection {
     pub(crate) fn new(verification: &Verification) -> Self {
         let entries = verification.verification.iter().enumerate();
         let view = |(k, entry): (usize, &Entry)| {
-            let predicted = |point: &Point| match verification.compensated {
-                true => point.compensated_um,
-                false => point.predicted_um,
-            };
+            let predicted = |point: &Point| point.expected_um(verification.compensated);
             let rms = |value: &dyn Fn(&Point) -> f64| {
                 let squares: f64 = entry.points.iter().map(|point| value(point).powi(2)).sum();
                 (squares / entry.points.len().max(1) as f64).sqrt()

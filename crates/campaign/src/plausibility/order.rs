@@ -93,10 +93,11 @@ impl Groups {
 /// A notice if most stops have one target, though others are read alone at the same position, and no clock says that it was so.
 fn one_by_one<R: Reading>(name: &str, stops: &[Stop], readings: &[R]) -> Option<String> {
     let later_s = |two: &[R]| two[1].time_s() - two[0].time_s();
-    let steps_s: Vec<f64> = readings.windows(2).map(later_s).collect();
-    let is_numbered = steps_s
-        .windows(2)
-        .all(|two| two[0].total_cmp(&two[1]).is_eq());
+    let both_s = |three: &[R]| [later_s(&three[..2]), later_s(&three[1..])];
+    let is_timed = |[a, b]: [f64; 2]| a.total_cmp(&b).is_ne();
+    if readings.windows(3).map(both_s).any(is_timed) {
+        return None;
+    }
     let mut alone: HashMap<_, Vec<_>> = HashMap::new();
     for stop in stops {
         if let [reading] = readings_of(stop, readings) {
@@ -108,7 +109,7 @@ fn one_by_one<R: Reading>(name: &str, stops: &[Stop], readings: &[R]) -> Option<
         .values()
         .filter(|own| own.iter().any(|target| *target != own[0]));
     let count: usize = several.map(Vec::len).sum();
-    (is_numbered && 2 * count > stops.len()).then(|| {
+    (2 * count > stops.len()).then(|| {
         format!(
             "{name}: most stops have one target, though several are read at one position; if the machine stood still between them, \
              the rows were sorted: put them into measuring order, or the noise comes out wrong"

@@ -16,10 +16,7 @@ const APART: f64 = 0.25;
 
 /// The figure of entry `k`.
 pub(super) fn figure(k: usize, entry: &Entry, compensated: bool) -> Option<Figure> {
-    let of_calibration = |point: &Point| match compensated {
-        true => point.compensated_um,
-        false => point.predicted_um,
-    };
+    let of_calibration = |point: &Point| point.expected_um(compensated);
     let u = |point: &Point| {
         let u_reading = COVERAGE * point.u_reading_um.unwrap_or(0.0);
         u_reading.hypot(point.expanded_prediction_um())
