@@ -48,12 +48,8 @@ pub fn diagnose(campaign: &Campaign, settings: &Settings) -> Result<Diagnosis, E
     }
     if let Some(lengths) = &campaign.lengths {
         let said = diagnose_lengths(campaign, lengths, adjustment.as_ref())?;
-        let corrected = with_lengths(&mut diagnosis, campaign, lengths, said, settings)?;
-        with_runs(
-            &mut diagnosis,
-            corrected.as_ref().unwrap_or(campaign),
-            settings,
-        )?;
+        let corrected = with_lengths(&mut diagnosis, campaign, lengths, said, settings);
+        with_runs(&mut diagnosis, campaign, corrected.as_ref(), settings)?;
     } else if let Some(points) = &campaign.points {
         with_points(&mut diagnosis, campaign, points, settings)?;
     }
@@ -149,7 +145,7 @@ fn with_lengths(
     lengths: &Lengths,
     (mut said, effects_mm): (Said, Vec<f64>),
     settings: &Settings,
-) -> Result<Option<Campaign>, Error> {
+) -> Option<Campaign> {
     let mut without = None;
     for entry in &mut said.entries {
         let causes = &mut entry.causes;
@@ -161,8 +157,9 @@ fn with_lengths(
             );
         } else if !causes.is_empty() || !entry.disturbances.is_empty() {
             let corrected = without_effects(campaign, lengths, &effects_mm);
-            with_better(diagnosis, &corrected, causes, settings)?;
-            without = Some(corrected);
+            if with_better(diagnosis, &corrected, causes, settings) {
+                without = Some(corrected);
+            }
             if !entry.disturbances.is_empty() {
                 diagnosis.notices.push(not_in_effects(causes).to_owned());
             }
@@ -176,7 +173,7 @@ fn with_lengths(
         }
     }
     diagnosis.take(said);
-    Ok(without)
+    without
 }
 
 /// Adds the findings of the points, and the calibration without the causes and gross errors found.
@@ -189,11 +186,7 @@ fn with_points(
     let (mut said, corrected) = diagnose_points(campaign, points, &diagnosis.scene)?;
     if let (Some(corrected), Some(_)) = (&corrected, &diagnosis.calibration) {
         for entry in &mut said.entries {
-            let better = with_better(diagnosis, corrected, &mut entry.causes, settings);
-            if let Err(error) = better {
-                let text = format!("the calibration is that of the points as they are: {error}");
-                diagnosis.notices.push(text);
-            }
+            with_better(diagnosis, corrected, &mut entry.causes, settings);
         }
     }
     said.entries
@@ -226,14 +219,24 @@ fn is_not_identifiable(error: &Error) -> bool {
     )
 }
 
-/// Replaces the calibration by that without the causes, which it lists, and adds the changes to the causes.
+/// Replaces the calibration by that without the causes, which it lists, and adds the changes to the causes; a notice
+/// says so if there is none, and the calibration stays.
 fn with_better(
     diagnosis: &mut Diagnosis,
     corrected: &Campaign,
     causes: &mut [Cause],
     settings: &Settings,
-) -> Result<(), Error> {
-    let (mut better, _) = calibrated(corrected, settings, &mut diagnosis.notices)?;
+) -> bool {
+    let mut better = match calibrated(corrected, settings, &mut diagnosis.notices) {
+        Ok((better, _)) => better,
+        Err(error) => {
+            let text = format!(
+                "the calibration is that of the data as they are: without the causes, {error}"
+            );
+            diagnosis.notices.push(text);
+            return false;
+        }
+    };
     for cause in causes {
         if let Some(calibration) = &diagnosis.calibration {
             cause.changes = changes(calibration, &better);
@@ -245,21 +248,27 @@ fn with_better(
         better.effects.extend(calibration.effects);
     }
     diagnosis.calibration = Some(better);
-    Ok(())
+    true
 }
 
-/// Adds the contradictions between runs of one axis, and the calibration without their causes.
+/// Adds the contradictions between runs of one axis, and the calibration without their causes. `corrected` is the
+/// campaign without the causes of the lengths, where they could be taken out.
 fn with_runs(
     diagnosis: &mut Diagnosis,
     campaign: &Campaign,
+    corrected: Option<&Campaign>,
     settings: &Settings,
 ) -> Result<(), Error> {
-    let Some((mut said, corrected)) = diagnose_runs(campaign, &diagnosis.scene, settings)? else {
+    // A cause that is still in the lengths makes runs differ, too.
+    let may_be_named = diagnosis.causes.is_empty() || corrected.is_some();
+    let campaign = corrected.unwrap_or(campaign);
+    let said = diagnose_runs(campaign, &diagnosis.scene, settings, may_be_named)?;
+    let Some((mut said, corrected)) = said else {
         return Ok(());
     };
     if let Some(corrected) = &corrected {
         for entry in &mut said.entries {
-            with_better(diagnosis, corrected, &mut entry.causes, settings)?;
+            with_better(diagnosis, corrected, &mut entry.causes, settings);
         }
     }
     diagnosis

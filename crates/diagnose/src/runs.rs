@@ -35,12 +35,14 @@ const MISFIT_LEVEL: f64 = 0.002;
 /// Share of the misfit from which causes are named even if a remainder is significant: no machine sags by a product.
 const NEARLY_ALL: f64 = 0.9;
 
-/// Compares the runs of each axis that has several; `None` if none has, or if they share no positions. Also returns
-/// the campaign with its lengths less the effects of the causes, if there are any.
+/// Compares the runs of each axis that has several; `None` if none has, or if they share no positions. Causes are named
+/// only if `may_be_named`: the lengths have no other cause left in them. Also returns the campaign with its lengths
+/// less the effects of the causes, if there are any.
 pub(crate) fn diagnose_runs(
     campaign: &Campaign,
     scene: &Scene,
     settings: &Settings,
+    may_be_named: bool,
 ) -> Result<Option<(Said, Option<Campaign>)>, Error> {
     let mut axes: Vec<usize> = campaign.runs.iter().map(|run| run.axis).collect();
     axes.sort_unstable();
@@ -61,7 +63,7 @@ pub(crate) fn diagnose_runs(
     let noise_dof = noise_dof(&calibration);
     Ok(Some(compared(
         scene,
-        noise_dof,
+        (noise_dof, may_be_named),
         &replay,
         &comparisons,
         &on_lengths,
@@ -106,7 +108,7 @@ const MANY: f64 = 1e5;
 
 fn compared(
     scene: &Scene,
-    noise_dof: f64,
+    (noise_dof, may_be_named): (f64, bool),
     replay: &Replay<'_>,
     comparisons: &[RunComparison],
     on_lengths: &EffectsOnLengths<'_>,
@@ -116,7 +118,10 @@ fn compared(
     let base = &listed.base;
     let test = |model: &Projection| test(model, noise_dof);
     let is_left = |model: &Projection| test(model).p_value < MISFIT_LEVEL;
-    let found = search(&listed, CAUSE_LEVEL, is_left);
+    let mut found = search(&listed, CAUSE_LEVEL, is_left);
+    if !may_be_named {
+        found.clear();
+    }
     let mut after = listed.with(&found);
     let is_left = is_left(&after);
     let structure = base.squares() - base.degrees_of_freedom;
@@ -132,8 +137,9 @@ fn compared(
     let rms_um = |model: &Projection| {
         sigma_um * (model.squares() / model.degrees_of_freedom.max(1.0)).sqrt()
     };
+    let sought = may_be_named.then_some(share);
     let unexplained =
-        is_left.then(|| unexplained(test(&after).p_value, rms_um(&after), sigma_um, share));
+        is_left.then(|| unexplained(test(&after).p_value, rms_um(&after), sigma_um, sought));
     let parts = judged
         .iter()
         .map(|j| Part::Free(listed.columns_of(&j.cause)));
@@ -196,13 +202,16 @@ fn projection(comparisons: &[RunComparison]) -> Projection {
     Projection::dense(observations, &base)
 }
 
-fn unexplained(p_value: f64, rms_um: f64, sigma_um: f64, share: f64) -> Unexplained {
+/// What is left of the runs, of which the best explanation takes a share, if any was sought.
+fn unexplained(p_value: f64, rms_um: f64, sigma_um: f64, share: Option<f64>) -> Unexplained {
     let note = match share {
-        share if share < NEARLY_ALL => format!(
+        None => "varies with run; a cause of the lengths that is seen in part only is still in them, and may be why"
+            .to_owned(),
+        Some(share) if share < NEARLY_ALL => format!(
             "varies with run; the best explanation takes {:.0} % of it, which is not enough to name it",
             100.0 * share.max(0.0)
         ),
-        _ => format!("varies with run: a small remainder, probability {p_value:.0e}"),
+        Some(_) => format!("varies with run: a small remainder, probability {p_value:.0e}"),
     };
     Unexplained {
         level: Level::Lengths,

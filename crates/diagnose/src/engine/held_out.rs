@@ -122,7 +122,9 @@ pub(crate) fn sought_again<D: Measured>(
                 best = Some((tried.shape, statistic, gram.rank(), gram.shrunk(s)));
             }
         });
-        let (squares, freedom) = (projection.squares(), projection.degrees_of_freedom);
+        let freedom = projection.degrees_of_freedom;
+        // Readings without weight count in the freedom but leave no squares; the noise is that of the final model.
+        let squares = projection.squares().max(freedom);
         let is_shown = |&(_, statistic, rank, _): &(f64, f64, usize, Vec<f64>)| {
             let ln_p = ln_f_test(statistic, squares, rank, freedom);
             ln_p + f64::from(shapes).ln() < D::CAUSE_LEVEL.ln()

@@ -23,6 +23,9 @@ use crate::form::AtReading;
 use crate::waves::across;
 use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Scene, Shape, Subject};
 
+/// Ten millimetres over a metre of both axes: no machine that is to be calibrated sags by more.
+const MOST_UM_PER_M2: [f64; 2] = [-1e4, 1e4];
+
 /// Square metres in a square millimetre.
 const M2_PER_MM2: f64 = 1e-6;
 
@@ -32,8 +35,11 @@ pub(super) const EFFECT: Effect = Effect {
     levels: &[Level::Lengths, Level::Verification],
     subjects: pairs_and_sags,
     parameters: |_, subject| match subject.component {
-        Some(_) => vec![Parameter::new("sag", "um/m2")],
-        None => Parameter::vector("coupling", "um/m2"),
+        Some(_) => vec![Parameter::new("sag", "um/m2").plausible(MOST_UM_PER_M2)],
+        None => {
+            let coupling = Parameter::vector("coupling", "um/m2").into_iter();
+            coupling.map(|c| c.plausible(MOST_UM_PER_M2)).collect()
+        }
     },
     shape: Shape::Fixed,
     form: Form::Displacement(coupled),
