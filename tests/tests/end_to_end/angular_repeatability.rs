@@ -1,4 +1,4 @@
-//! A rotary axis that stops turned by another angle each time.
+//! A rotary axis that stops at a different angle each time.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -69,7 +69,7 @@ fn no_stop_of_a_table_that_returns_badly_is_a_gross_error() {
             "seed {seed}: {removed} lengths left, {wrong} wrong"
         );
         let mut notices = calibration.notices.iter();
-        assert!(notices.any(|notice| notice.starts_with("axis C: it stops turned")));
+        assert!(notices.any(|notice| notice.starts_with("axis C: it stops at a different angle")));
         for deviation in components(&calibration, &simulated.truth) {
             let is_defined = deviation.is_inside().is_none();
             let is_near = is_defined || deviation.error.abs() < 5.5 * deviation.u;

@@ -16,7 +16,7 @@ use crate::words::{length_in_words, step_in_words, stop_of};
 /// Ratio of the variances of two stations from which on U is wrong by much.
 const TWICE: f64 = 2.0;
 
-/// Standard uncertainties by which a result may be wrong unnoticed without a word.
+/// Standard uncertainties by which a result may be wrong unnoticed before a notice says so.
 const HARMFUL: f64 = 3.0;
 
 impl LengthsAdjustment<'_> {
@@ -108,12 +108,12 @@ impl LengthsAdjustment<'_> {
         notices
     }
 
-    /// Factor on U for what all repeats of a stop have alike.
+    /// Factor on U for what all repeats of a stop have in common.
     fn widening(&self) -> f64 {
         self.alike.as_ref().map_or(1.0, |alike| alike.factor)
     }
 
-    /// What all repeats of a stop have alike.
+    /// What all repeats of a stop have in common.
     fn alike(&self) -> Option<String> {
         self.alike.as_ref().map(|alike| {
             format!(
@@ -127,7 +127,7 @@ impl LengthsAdjustment<'_> {
         })
     }
 
-    /// What the steps of a run have alike.
+    /// What the steps of a run have in common.
     fn slow(&self) -> Option<String> {
         self.slow.as_ref().map(|slow| {
             format!(
@@ -149,7 +149,7 @@ impl LengthsAdjustment<'_> {
             let names: Vec<&str> = zeros.iter().map(name).collect();
             return vec![format!(
                 "stations {}: their zeros seem to wander by up to {:.1} µm rms; in so many it is rather something that all of them see, as \
-                 a target that moved, an axis or a hall that warms up: `trueaxis diagnose` looks for it",
+                 a target that moved, an axis or a workshop that warms up: `trueaxis diagnose` looks for it",
                 names.join(", "),
                 zeros.iter().map(rms_um).fold(0.0, f64::max)
             )];
@@ -215,14 +215,14 @@ impl LengthsAdjustment<'_> {
         ))
     }
 
-    /// Axes that miss their steps by another angle at each visit, or by more than others.
+    /// Axes that miss their steps by a different angle at each visit, or by more than others.
     pub(crate) fn returns(&self, ratios: &[AxisReturn]) -> Vec<String> {
         let axes = || self.campaign.machine.axes().iter().zip(ratios);
         let turning = axes().filter(|(_, own)| own.angle > 0.0);
         let repeatability_mm = self.screened.network.noise.repeatability_mm;
         let said = turning.map(|(axis, own)| {
             format!(
-                "axis {}: it stops turned by another angle each time, {:.1}″ (standard deviation) beyond what the repeatability of a coordinate \
+                "axis {}: it stops at a different angle each time, {:.1}″ (standard deviation) beyond what the repeatability of a coordinate \
                  explains: U contains it; see whether its worm or its clamping is worn",
                 axis.name(),
                 own.angle * repeatability_mm / ARCSEC
@@ -233,7 +233,7 @@ impl LengthsAdjustment<'_> {
                 format!("{} {:.1}", axis.name(), own.variance.sqrt() * repeatability_mm / MICROMETRE)
             };
             format!(
-                "the axes return to their steps unequally well, {} µm (standard deviation of a coordinate): U of each contains its own",
+                "some axes return to their steps worse than others, {} µm (standard deviation of a coordinate): U of each contains its own",
                 axes().map(size).collect::<Vec<_>>().join(", ")
             )
         });
