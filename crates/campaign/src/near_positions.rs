@@ -2,9 +2,9 @@
 //!
 //! A step is a commanded position, which all stations and repeats share. What differs by rounding only is one position
 //! ([`join`]). What differs by more, but by next to nothing beside the distance of the steps, was not commanded: each
-//! length would be a step of its own, and the steps would not be determined ([`check`]). Unless sweeps stop at one after
-//! the other and read a target at both: each comes by a commanded position once, whatever the encoders show there. Half of
-//! the sweeps that come by must; that encoders show one sweep two positions of a stop is no step for the others.
+//! length would be a step of its own, and the steps would not be determined ([`check`]). The exception are positions at
+//! which sweeps stop one after the other and read the same target: a sweep passes each commanded position only once. Half
+//! of the sweeps that pass must do so, since encoders may show a single sweep two positions of one stop.
 
 use std::cell::LazyCell;
 use std::collections::{HashMap, HashSet};

@@ -1,6 +1,6 @@
 //! Data that cannot be as they stand must never be calibrated silently.
 //!
-//! What a row says alone: logged states that no hall has ([`logged`]). What the rows say together: rows
+//! What a row says alone: logged states that no workshop has ([`logged`]). What the rows say together: rows
 //! that are not in measuring order ([`order`]), repeats that were copied ([`copies`]), lengths that no
 //! known dead path leaves positive ([`dead_paths`]). All else here is about units.
 //!
@@ -27,8 +27,8 @@
 //! 3. **Lengths against `approx_mm`** ([`approx`]), where all stations have it: another unit, or
 //!    another station's place, must fit twenty times better before anything is said.
 //!
-//! Points have no free station: the distances of measured points must be the nominal ones, in both directions; and those within a stop
-//! tell names that are exchanged ([`exchanged`]).
+//! Points have no free station: the distances of measured points must be the nominal ones, neither more nor less; and
+//! those within a stop reveal exchanged names ([`exchanged`]).
 //!
 //! For data that fail, the usual mistakes ([`hypothesis`]) are tried; the one with which the data
 //! pass is named in the error. Positions in another unit explain data only if they are then still

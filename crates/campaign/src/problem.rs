@@ -188,7 +188,7 @@ pub enum Problem {
         /// The first row.
         first_line: usize,
     },
-    /// Rows in another order than that of measuring.
+    /// Rows that are not in measuring order.
     #[error(
         "the rows are not in measuring order: the time goes back {}, here from {before_s} s to \
          {time_s} s, and the rows would be {} in {} of stations in the order of time, not {} in {}; sort the table by time_s",

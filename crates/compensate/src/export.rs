@@ -27,7 +27,7 @@ pub use announcement::{Announcement, LineFigures};
 use old_files::OldFiles;
 use sides::Sides;
 
-/// A control, or the way in which it is told.
+/// A control, or a format that controls read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// A neutral table of error vectors over the linear axes (CSV).
@@ -210,7 +210,7 @@ impl ExportedFile {
 pub struct Export {
     /// The files.
     pub files: Vec<ExportedFile>,
-    /// Sign, place and what else who types it in must know: a line each.
+    /// Sign, place and what else must be known to enter it: a line each.
     pub notes: Vec<String>,
     /// Whether the rule of the control is known from one source alone, or in part.
     pub is_experimental: bool,

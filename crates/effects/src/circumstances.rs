@@ -38,7 +38,7 @@ pub struct Circumstances<'a> {
     pub positions: &'a [f64],
     /// Where the target is.
     pub point_mm: Point3<f64>,
-    /// How the stage stands against home, where that was measured; of any other the commanded positions say it.
+    /// Orientation of the stage against home, where it was measured; otherwise it follows from the commanded positions.
     pub stage: Option<Rotation3<f64>>,
     /// Centroid of the targets that sit on the same stage.
     pub centroid_mm: Point3<f64>,

@@ -76,7 +76,7 @@ impl Effect {
         }
     }
 
-    /// Whether it is told by the curve of a component error of an axis, across a rotary axis with that of the other direction:
+    /// Whether the curve of a component error of an axis shows it, across a rotary axis with that of the other direction:
     ///
     /// | curves | effects |
     /// | --- | --- |

@@ -137,7 +137,7 @@ pub enum Problem {
         /// Targets of that stop.
         targets: Vec<String>,
     },
-    /// Rows in another order than that of measuring.
+    /// Rows that are not in measuring order.
     #[error(
         "the rows are not in measuring order: the time goes back here, and in the order of time they would be {stops_by_time} \
          stops, not {stops}; sort the export by time"

@@ -89,7 +89,7 @@ pub struct Stops {
     /// has that many rows.
     pub targets: Vec<String>,
     /// The path of the machine, where no column tells its positions; it begins anew at each station and when it is
-    /// through.
+    /// complete.
     pub path: Vec<Leg>,
 }
 

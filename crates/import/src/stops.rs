@@ -230,7 +230,7 @@ fn positions(row: &Row, columns: &Columns, planned: Option<&PlannedStop<'_>>) ->
     .collect()
 }
 
-/// The direction of each stop by the motion of the axis that moves most in the occupation of its station in its run.
+/// The side of approach of each stop, by the motion of the axis that moves most in its run during the occupation.
 fn inferred_directions(
     rows: &[Row],
     stops: &[Range<usize>],

@@ -22,7 +22,7 @@ impl AxisKind {
         }
     }
 
-    /// A position in mm or rad, of one in mm or degrees as files have it. Zero loses its sign: -0 and 0 are one place.
+    /// A position in mm or rad from one in mm or degrees, as in files. Zero loses its sign: -0 and 0 are one place.
     pub fn position_from_file(self, position: f64) -> f64 {
         match self {
             Self::Linear => position + 0.0,
@@ -30,7 +30,7 @@ impl AxisKind {
         }
     }
 
-    /// A position in mm or degrees, of one in mm or rad.
+    /// A position in mm or degrees from one in mm or rad.
     pub fn position_in_file(self, position: f64) -> f64 {
         match self {
             Self::Linear => position,
@@ -62,8 +62,8 @@ pub struct Axis {
 /// four digits passes, a wrong one does not.
 const UNIT_LENGTH_TOL: f64 = 1e-3;
 
-/// A direction of this length is normalised already: to do it again would move the last bit of a third of them, and a
-/// machine that is written and read would not be the same.
+/// A direction of this length is normalised already: doing it again would change the last bit of a third of them, and a
+/// machine would change when it is written and read.
 const NORMALISED_TOL: f64 = 4.0 * f64::EPSILON;
 
 impl Axis {

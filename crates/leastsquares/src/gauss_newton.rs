@@ -170,12 +170,11 @@ const MOST_RATE: f64 = 0.1;
 
 /// Adjusts the unknowns of `model` from `start`.
 ///
-/// A step is judged by the true cost where it leads, with the weights where it began. One that by all signs is
-/// followed by none above the tolerance is made without looking
-/// back: the next one is estimated as the last one times its ratio to the one before (P. Deuflhard,
-/// *Newton Methods for Nonlinear Problems*, chapter 4). In the end the ratio is that of the direction
-/// that shrinks least; the first ratio says little of it, because a start may lie in any direction, so
-/// that it takes two whole steps before.
+/// A step is judged by the true cost where it leads, with the weights where it began. The last one is taken without this
+/// check, if the next would be below the tolerance: that is estimated as the last step times its ratio to the one before
+/// (P. Deuflhard, *Newton Methods for Nonlinear Problems*, chapter 4). In the end the ratio is that of the direction that
+/// shrinks least; the first ratio says little of it, because a start may lie in any direction, so two whole steps must
+/// come before.
 ///
 /// # Errors
 /// Those of [`Adjustment::reduce`] and [`Reduced::shortest_correction`]. Not converging is no error; see

@@ -16,7 +16,7 @@ const LEAST_BLOCK: usize = 10_000;
 /// ends of the symmetric interval is compared with the tolerance δ of u: all outputs have
 /// stabilised when `2 s ≤ δ` for all four. After two blocks `s` has one degree of freedom only, so
 /// a propagation of few outputs can end too soon by luck; [`Summary::scatter`](crate::Summary) does
-/// not depend on blocks and tells.
+/// not depend on blocks and shows it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stability {
     /// Whether every output has stabilised; if not, the most trials were used up.

@@ -1,4 +1,4 @@
-//! Positions as encoders show them in the place of those that were commanded.
+//! Positions read from encoders instead of the commanded ones.
 
 use trueaxis_campaign::{Verification, VerificationKind};
 

@@ -41,7 +41,7 @@ pub(crate) struct Evidence {
     legend: Vec<String>,
     /// The class of the mark of each.
     marks: Vec<String>,
-    /// Every how many-th dot is drawn, where not all are.
+    /// n where only every n-th dot is drawn.
     thinned: Option<usize>,
     count: usize,
     reliability: Option<Redundancy>,

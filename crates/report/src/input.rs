@@ -78,7 +78,7 @@ impl Input {
         Ok(input)
     }
 
-    /// Lets go of what was made of other data before in the folder.
+    /// Leaves out results of other data that are still in the folder.
     fn leave_out_strangers(&mut self) {
         let Some(calibration) = &self.calibration else {
             self.residuals = None;
@@ -110,7 +110,7 @@ impl Input {
         leave_out(&mut self.residuals, left_out, is_other, says);
     }
 
-    /// Lets go of what rests on other files than those of the calibration, or on another calibration.
+    /// Leaves out results of other files than those of the calibration, or of another calibration.
     fn leave_out_outdated(&mut self, file: &Path) -> Result<(), Error> {
         let Some(calibration) = &self.calibration else {
             return Ok(());
@@ -144,7 +144,7 @@ impl Input {
     }
 }
 
-/// Lets go of a result that does not belong to the others, and says so.
+/// Leaves out a result that does not belong to the others, and says so.
 fn leave_out<T>(
     result: &mut Option<T>,
     left_out: &mut Vec<String>,

@@ -27,7 +27,7 @@ const KEY_MARK: f64 = 24.0;
 const KEY_LETTER: f64 = 6.8;
 
 impl Drawing {
-    /// `title` is what those hear who cannot see it.
+    /// A screen reader reads out `title`.
     pub(crate) fn new(width: f64, height: f64, title: impl Into<String>) -> Self {
         Self {
             width,
@@ -69,7 +69,7 @@ impl Drawing {
         );
     }
 
-    /// A place that tells `text` to whoever points at it.
+    /// A place that shows `text` when pointed at.
     pub(crate) fn hover(&mut self, [x, y]: [f64; 2], radius: f64, text: &str) {
         let (x, y) = (coordinate(x), coordinate(y));
         let text = escaped(text);

@@ -158,7 +158,7 @@ impl Verification {
         misfits.collect()
     }
 
-    /// Whether the readings contradict the prediction; `None` where no uncertainty of a reading tells.
+    /// Whether the readings contradict the prediction; `None` where no uncertainty of a reading is declared.
     pub(crate) fn is_misfit(&self) -> Option<bool> {
         let judged = self
             .verification

@@ -1,4 +1,4 @@
-//! What the repeats of a stop have alike is no noise of single lengths.
+//! What the repeats of a stop have in common is no noise of single lengths.
 //!
 //! Where a station reads the same stop again, the model predicts the same lengths, whatever its unknowns are. How the residuals `v` of the
 //! repeats differ from their mean is therefore noise and nothing else; the rest of the sum of squares is noise and what is wrong with
@@ -20,21 +20,21 @@ use trueaxis_multilateration::{Network, Solution, Visit, Whitened};
 /// Degrees of freedom on either side below which nothing is said.
 const LEAST_DEGREES: f64 = 10.0;
 
-/// Probability at which repeats are said to have more alike than chance gives them: one clean campaign in a thousand.
+/// Probability at which repeats are said to have more in common than by chance: one clean campaign in a thousand.
 const LEVEL: f64 = 1e-3;
 
-/// What repeats have alike.
+/// What repeats have in common.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Alike {
-    /// Rms of what all repeats have alike over that of how they differ, each of a single length in units of its noise.
+    /// Rms of what all repeats have in common over that of how they differ, each of a length in units of its noise.
     pub ratio: f64,
-    /// By what the standard deviation of a mean over repeats is larger than the noise of all residuals says.
+    /// Factor by which the standard deviation of a mean over repeats is larger than the noise of all residuals says.
     pub factor: f64,
     /// Probability of as much from noise.
     pub p_value: f64,
 }
 
-/// What the repeats of a network have alike, if it is more than chance gives them; `rows` are those of its visits.
+/// What the repeats of a network have in common, if more than by chance; `rows` are those of its visits.
 pub fn alike(network: &Network, solution: &Solution, rows: &Whitened) -> Option<Alike> {
     let stop = |visit: &Visit| (visit.station, visit.group, points(network, visit));
     let mut of_stop: HashMap<_, Vec<&Visit>> = HashMap::new();

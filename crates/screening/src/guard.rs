@@ -64,7 +64,7 @@ pub(crate) fn check(network: &Network, removed: &[Removed], limit: f64) -> Resul
 }
 
 /// Readings that nothing checks since others of their point were removed: they may as well be the wrong ones, and
-/// have to leave, too. The points of a body check each other.
+/// are removed, too. The points of a body check each other.
 ///
 /// # Errors
 /// [`Error::Undecidable`] if the point or body is then seen from too few stations.

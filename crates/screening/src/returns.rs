@@ -1,4 +1,4 @@
-//! How each axis returns to its steps: all alike, or some worse than others, or turned by another angle at each visit.
+//! How each axis returns to its steps: all alike, some worse than others, or at a different angle at each visit.
 
 mod turning;
 mod turns;
@@ -39,7 +39,7 @@ impl AxisReturn {
 /// How axes return, and the adjustment with it.
 pub type Returned = (Vec<AxisReturn>, Screened);
 
-/// The visits of a run in one direction, from its first stop to its last.
+/// The visits of a sweep.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Sweep {
     /// The axis that moves.
@@ -55,7 +55,7 @@ pub struct Axes<'a> {
     pub network: &'a Network,
     /// Whether its noise is more than a guess.
     pub declared: bool,
-    /// Share of the readings that may leave.
+    /// Share of the readings that may be removed.
     pub most_removed: f64,
     /// Number of axes.
     pub count: usize,

@@ -2,13 +2,13 @@
 //!
 //! In turn:
 //!
-//! 1. Lengths far from what the nominal positions predict leave before the first adjustment.
+//! 1. Lengths far from what the nominal positions predict are removed before the first adjustment.
 //! 2. Redescending weights release lengths that stand out from their neighbours in time. Among the rest, steps in the
 //!    zero of a station are sought; a step that nothing else explains as well splits the station's occupation.
 //! 3. Redescending weights release all far lengths.
-//! 4. Data snooping (Baarda): in each group the length with the largest test leaves, or else the one that fits again
-//!    comes back, one at a time, until nothing changes. The level is that of all tests together.
-//! 5. Lengths that nothing checks without those that left have to leave, too.
+//! 4. Data snooping (Baarda): in each group the length with the largest test is removed, or else the one that fits
+//!    again comes back, one at a time, until nothing changes. The level is that of all tests together.
+//! 5. Lengths that nothing checks without those that were removed are removed, too.
 //! 6. The noise is estimated from the rest; if the tests ask for changes with it, 2 to 5 are repeated.
 //! 7. A final adjustment of the remaining lengths, all with full weight.
 //!
@@ -41,8 +41,8 @@ pub fn screen(network: &Network, declared: bool) -> Result<Screened, Error> {
     screen_within(network, declared, MOST_REMOVED)
 }
 
-/// As [`screen`], where at most the share `most_removed` of the readings may leave: a search that would remove more
-/// is given up early.
+/// As [`screen`], where at most the share `most_removed` of the readings may be removed: a search that would remove
+/// more is given up early.
 ///
 /// # Errors
 /// Those of [`screen`].

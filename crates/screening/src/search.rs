@@ -42,7 +42,7 @@ const MAX_ROUNDS: usize = 60;
 /// Consecutive solutions that do not converge before the search ends: their tests have no meaning.
 const MOST_LOST: usize = 3;
 
-/// The search is given up when more than this many times the allowed share have left: some may still come back.
+/// The search is given up when more than this many times the allowed share are removed: some may still come back.
 const HOPELESS: f64 = 1.5;
 
 /// A reading whose variance is inflated by more than this has no influence.
@@ -75,11 +75,11 @@ pub(crate) struct Search {
     largest_steps: Option<Vec<StepTest>>,
     /// Whether the network's noise is more than a guess.
     declared: bool,
-    /// Share of the readings that may leave.
+    /// Share of the readings that may be removed.
     most_removed: f64,
     /// Readings that were far off at the start, and by how much (mm).
     far: Vec<(usize, f64)>,
-    /// Readings that left because nothing checks them without a wrong one: they do not come back.
+    /// Readings that were removed because nothing checks them without a wrong one: they do not come back.
     unchecked: Vec<bool>,
     /// So many steps were found that something else changes with time: no occupation is split.
     never_split: bool,
@@ -96,7 +96,7 @@ pub(crate) struct Search {
 }
 
 impl Search {
-    /// A search in a copy of `network` with this noise; readings that are far off at the start have left already.
+    /// A search in a copy of `network` with this noise; readings that are far off at the start are removed already.
     pub(crate) fn new(
         network: &Network,
         noise: Noise,
@@ -344,7 +344,7 @@ impl Search {
         self.drop_unchecked()
     }
 
-    /// Removes readings that nothing checks since a wrong one left.
+    /// Removes readings that nothing checks since a wrong one was removed.
     fn drop_unchecked(&mut self) -> Result<(), Error> {
         let removed = self.removed()?;
         guard::check(&self.network, &removed, self.most_removed)?;

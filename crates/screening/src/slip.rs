@@ -7,7 +7,7 @@
 //! G = Xᵀ M X     s = Xᵀ v     d = G⁺ s     S = sᵀ G⁺ s     S/3 / ((vᵀv - S)/(ν - 3)) ~ F(3, ν - 3) without a displacement
 //! ```
 //!
-//! Steps that were read once from each station take up most of a slip, so that no single length shows it. A machine that
+//! Steps that were read once from each station absorb most of a slip, so that no single length shows it. A machine that
 //! deforms may look the same.
 
 use std::ops::Range;
@@ -29,7 +29,7 @@ const LEAST_DEGREES: f64 = 10.0;
 /// Probability that a target of a clean campaign is said to have slipped.
 const LEVEL: f64 = 1e-3;
 
-/// Lead of a slip over that of another target, or over the jump of a zero, from which on these are not meant, in squares.
+/// Lead of a slip, in squares, that rules out that of another target or the jump of a zero.
 const AHEAD: f64 = 10.0;
 
 /// Groups of a campaign whose rows of the hat matrix would take too much memory.

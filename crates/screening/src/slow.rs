@@ -1,17 +1,18 @@
 //! Misfits that change slowly from step to step.
 //!
-//! What drifts, slips or lies in air that stirs makes the errors of neighbouring steps alike, so that the mean of n of them is less certain
-//! than that of n independent ones. At each step the whitened residuals of a station are averaged over its visits, both sides of approach and
-//! all repeats: lost motion, of which a pose takes the mean of both sides, is not in these means, and noise makes each
-//! independent of the others. With these means, x, times the root of the number of visits, over the stations, runs and targets
+//! Drifts, slips and stirring air make the errors of neighbouring steps alike, so that the mean of n of them is less
+//! certain than that of n independent ones. At each step the whitened residuals of a station are averaged over its
+//! visits, both sides of approach and all repeats: lost motion, of which a pose takes the mean of both sides, is not in
+//! these means, and those of noise are independent. With these means, x, times the root of the number of visits, over
+//! the stations, runs and targets
 //!
 //! ```text
 //! ρ = Σ x_i x_i+1 / Σ x_i²     z = ρ √N ~ N(0, 1) without correlation     Λ = Σ_runs (Σ x_i)² / Σ x_i²
 //! ```
 //!
-//! for N pairs of neighbours. What the adjustment takes from the residuals makes z and Λ rather smaller. Results that hang on all steps of a
-//! run in the same sense, as squareness does, have Λ times the variance that independent errors give them; those of a
-//! single step do not.
+//! for N pairs of neighbours. What the adjustment takes from the residuals makes z and Λ a little smaller. Results that
+//! sum over all steps of a run, as squareness does, have Λ times the variance that independent errors give them; those
+//! of a single step do not.
 
 use std::collections::HashMap;
 
@@ -36,8 +37,8 @@ pub struct Slow {
     pub ratio: f64,
 }
 
-/// How far the misfits of steps are alike, if it is more than chance makes them; `rows` are those of the network's visits, `runs`
-/// groups in the order of their steps.
+/// How far the misfits of steps are alike, if more than by chance; `rows` are those of the network's visits, `runs` groups
+/// in the order of their steps.
 pub fn slow(network: &Network, rows: &Whitened, runs: &[Vec<usize>]) -> Option<Slow> {
     let means = means(network, rows);
     let (mut squares, mut count, mut of_sums) = (0.0, 0.0, 0.0);

@@ -1,16 +1,16 @@
 //! Lengths that scatter more than the others, of a station or of a part of the campaign, and axes that return worse.
 //!
-//! Told by how Baarda's w of a target changes from one visit of a station to the next, so that a zero that jumps or drifts is no scatter;
-//! and w knows what the adjustment keeps of each residual, and leaves out what the machine does to all lengths of
-//! a visit. With `z` such a difference a station has
+//! Scatter is how Baarda's w of a target changes from one visit of a station to the next: a zero that jumps or drifts
+//! hardly enters, and w allows for what the adjustment absorbs of each residual, and for what the machine does to all
+//! lengths of a visit. With `z` such a difference a station has
 //!
 //! ```text
 //! q_j = mean min(z², 9 s²)     s = median|z| / 0.6745     ln(q_j / q) has the variance 2/n + 2/N
 //! ```
 //!
-//! where q is the median of the other stations or axes, n the visits of the one and N the fewest of the others: lengths of a visit
-//! are taken as one observation. A part of the campaign is told by `y = ln mean z²` of the visits in it against that of all others; a
-//! jump is one y of many.
+//! where q is the median of the other stations or axes, n the visits of the one and N the fewest of the others: lengths
+//! of a visit are taken as one observation. A part of the campaign is judged by `y = ln mean z²` of the visits in it
+//! against that of all others; a jump is one y of many.
 
 use std::ops::Range;
 
@@ -31,8 +31,9 @@ const JUMP: f64 = 3.0;
 const PLAIN: f64 = 3.5;
 const MATTERS: f64 = 1.3;
 
-/// Parts end at one of so many instants, and have no fewer visits; so many standard deviations of the difference between the means of y are
-/// beyond chance wherever a part may lie. Changes to two neighbours share a visit: the variance of a mean is larger by a half.
+/// Instants at which a part may begin and end, its fewest visits, and the standard deviations of the difference between the
+/// means of y that are beyond chance wherever it lies. Neighbouring changes share a visit: the variance of a mean is larger
+/// by a half.
 const INSTANTS: usize = 96;
 const LEAST_VISITS: usize = 12;
 const PLAIN_PART: f64 = 5.0;
@@ -40,10 +41,10 @@ const SHARED: f64 = 1.5;
 const MOST_PARTS: usize = 3;
 const BEYOND: usize = 4;
 
-/// A part may end anywhere: by so much, in squares, it is plainer than a station whose lengths are alike.
+/// By so much, in squares, a part, which may end anywhere, must be plainer than a whole station.
 const AS_PLAIN: f64 = 12.0;
 
-/// Rounds: the noise of all contains that of the one, less each time.
+/// Rounds: the noise of all contains that of the lengths that scatter more, less each time.
 const ROUNDS: usize = 4;
 
 /// Lengths that plainly scatter more than the others.
@@ -96,9 +97,9 @@ pub fn weigh_uneven(
     Ok(stations)
 }
 
-/// Variance of the own noise of the lengths of some visits, mm²: of how the differences within a visit change from one visit to the next, in which
-/// what the machine does to all lengths is hardly left. Helmert's contrasts `√(k/(k+1)) (r_k - mean(r_0 … r_k-1))` have that of one
-/// length.
+/// Variance of the own noise of the lengths of some visits, mm², from how the differences within a visit change from one
+/// visit to the next: they hardly contain what the machine does to all lengths. Helmert's contrasts
+/// `√(k/(k+1)) (r_k - mean(r_0 … r_k-1))` have the variance of one length.
 fn own_variance(network: &Network, solution: &Solution, visits: &[usize]) -> Option<f64> {
     let squares = changes(network, visits, |visit| {
         let residuals = &solution.residuals_mm[network.visits[visit].readings.clone()];
@@ -292,8 +293,8 @@ fn changes(network: &Network, visits: &[usize], of_visit: impl Fn(usize) -> Vec<
     squares.collect()
 }
 
-/// How the visits of the sweeps of each axis scatter, over the mean of all visits, where those of one axis plainly scatter more
-/// than those of the others, or where it is known that they do; one of an axis that tells nothing.
+/// How the visits of the sweeps of each axis scatter, over the mean of all visits, where those of one axis plainly scatter
+/// more than those of the others, or are known to; 1 for an axis that shows nothing.
 pub fn uneven_axes(
     network: &Network,
     solution: &Solution,

@@ -6,9 +6,9 @@
 //! ∇₀ = (z_{1-α/2} + z_{1-β}) / √(cᵀ M c)
 //! ```
 //!
-//! with what the adjustment leaves of the whitened step, `M c`. Where a station reads each stop once, the poses before the
-//! instant and those after it share nothing but the stations: they take up most of the jump, so that ∇₀ is many times the noise, and
-//! moves them by many of their uncertainties. Stops that are read again show a jump as it is.
+//! with what the adjustment leaves of the whitened step, `M c`. Where a station reads each stop once, the poses before
+//! the instant and those after it share nothing but the stations: they absorb most of the jump, so that ∇₀ is many times
+//! the noise, and moves them by many of their uncertainties. Stops that are read again show a jump as it is.
 
 use std::collections::HashSet;
 
@@ -23,10 +23,10 @@ use crate::search::step_limit;
 const INSTANTS: usize = 8;
 const LEAST_VISITS: usize = 3;
 
-/// Part of the visits that are of different stops from which on most stops count as read once.
+/// Different stops per visit from which on most stops count as read once.
 const READ_ONCE: f64 = 0.75;
 
-/// Groups of a campaign in which no jump does much unnoticed: of 400 steps of an axis, 1.5 uncertainties.
+/// With more groups no unnoticed jump does much: 1.5 uncertainties with 400 steps of an axis.
 const MANY_GROUPS: usize = 1000;
 
 /// A jump of a station's zero that is found with a probability of no more than 80 %.
@@ -45,7 +45,7 @@ pub struct Unnoticed {
 }
 
 impl Screened {
-    /// Of the jumps that are not found the one that does most, where most stops were read once from each station.
+    /// The jump that does most without being found, where most stops were read once from each station.
     pub fn unnoticed_jump(&self) -> Option<Unnoticed> {
         let (network, solution) = (&self.network, &*self.solution);
         if network.groups.len() > MANY_GROUPS {

@@ -27,8 +27,8 @@ pub struct Truth {
     pub noise: Noise,
     /// By how much all lengths are shown too long, µm per m, beside effects.
     pub scale_ppm: f64,
-    /// Reflectors as the targets name them. Where dead paths are unknown, lengths tell only the differences of their
-    /// constants.
+    /// Reflectors as the targets name them. Where dead paths are unknown, lengths determine only the differences of
+    /// their constants.
     pub reflectors: Vec<ReflectorSpec>,
     /// Stations in the order of the campaign.
     pub stations: Vec<TrueStation>,

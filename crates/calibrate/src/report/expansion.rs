@@ -19,7 +19,7 @@ use trueaxis_predict::Output;
 /// The reference temperature of ISO 1, °C.
 const REFERENCE_C: f64 = 20.0;
 
-/// Distance from the reference temperature that few halls exceed, K.
+/// Distance from the reference temperature that few workshops exceed, K.
 const FAR_K: f64 = 15.0;
 
 /// µm per m.

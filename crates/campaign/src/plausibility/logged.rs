@@ -1,11 +1,11 @@
-//! Logged air and machine states that no hall has.
+//! Logged air and machine states that no workshop has.
 //!
 //! A state outside the ranges below is an error in its row: a sensor that failed, a decimal point that was lost, or another unit.
 //! The ranges are wide, so that what is refused cannot be right anywhere a machine is measured.
 
 use crate::{LoggedColumn, LoggedQuantity, Problem};
 
-/// What a quantity can be, and what it is like in a hall.
+/// What a quantity can be, and what it is like in a workshop.
 struct Range {
     quantity: &'static str,
     unit: &'static str,
@@ -43,7 +43,7 @@ impl LoggedQuantity {
         };
         match self {
             Self::AirTemperature => temperature([-40.0, 60.0]),
-            // A spindle's bearing is hotter than any hall.
+            // A spindle's bearing is hotter than any workshop.
             Self::MachineTemperature => temperature([-40.0, 150.0]),
             // From the highest towns to the highest reading at sea level.
             Self::AirPressure => Range {
@@ -64,7 +64,7 @@ impl LoggedQuantity {
         }
     }
 
-    /// Refuses a value that no hall has.
+    /// Refuses a value that no workshop has.
     pub(crate) fn check(self, value: f64) -> Result<(), Problem> {
         let range = self.range();
         let within = |[low, high]: [f64; 2], value: f64| (low..=high).contains(&value);

@@ -1,9 +1,9 @@
 //! Rows that are not in measuring order, and times that are not seconds.
 //!
 //! A stop is a group of consecutive rows, and a station's occupation a group of consecutive stops. A table that was sorted by
-//! point, target or station has the rows of these groups apart, and its times jump to and fro. It is told from a clock that was
-//! set back, which is only a notice, by what sorting by time would make of it: a sorted table then has fewer stops, or as many in
-//! fewer occupations; with a clock that was reset the rows of different stations or runs would be mixed.
+//! point, target or station has the rows of these groups apart, and its times jump to and fro. What sorting by time would
+//! make of it distinguishes it from a clock that was set back, which is only a notice: a sorted table then has fewer
+//! stops, or as many in fewer occupations; with a reset clock the rows of different stations or runs would be mixed.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -18,7 +18,7 @@ const LEAST_SPACING_S: f64 = 0.01;
 /// Fewer readings may be in a test of the instrument.
 const LEAST_READINGS: usize = 10;
 
-/// Refuses rows in another order than that of measuring; returns notices about the clock.
+/// Refuses rows that are not in measuring order; returns notices about the clock.
 pub(crate) fn check<R: Reading>(
     file: &Path,
     name: &str,

@@ -128,7 +128,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     })
 }
 
-/// What who enters the tables must know.
+/// What must be known to enter the tables.
 fn notes(request: &Request<'_>, sign: TableSign, has_rotary: bool) -> Vec<String> {
     let mut notes = vec![
         "enter the columns in the table editor of the control: the lines around them in a .COM or .CMA are in no manual \

@@ -4,8 +4,8 @@ use trueaxis_leastsquares::median;
 
 use crate::{Point, Verified};
 
-/// What may be mistaken about readings that contradict a prediction, or agree with it only as far as nobody says that they are better
-/// than that.
+/// What may be mistaken about readings that contradict a prediction, or that agree with it only because their declared
+/// uncertainty is large or missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mistaken {
     /// They are commanded less measured.
@@ -52,12 +52,12 @@ const FARTHER: f64 = 3.0;
 /// Standard deviation of normal values over their median amount.
 const OF_MEDIAN: f64 = 1.4826;
 
-/// Part of their declared standard uncertainty within which readings in µm never agree with anything.
+/// Part of the declared standard uncertainty within which readings in µm never agree with anything.
 const FAR_BELOW: f64 = 0.01;
 
 impl Verified {
-    /// The one place whose readings are far from what all others differ by from their prediction, with how far, µm: a reading is
-    /// mistyped, and shifts all others with the zero.
+    /// The one place whose difference from the prediction is far from that of all others, with how far, µm: a mistyped
+    /// reading, which shifts all others with the zero.
     pub fn far_off(&self, is_compensated: bool) -> Option<(&Point, f64)> {
         let left = self.points.iter();
         let left: Vec<f64> = left
@@ -79,8 +79,9 @@ impl Verified {
         (off.len() >= LEAST_POINTS && is_far).then_some(*first)
     }
 
-    /// What would leave no more than a quarter of the differences, if anything does; `is_compensated` as in [`crate::verify()`]. Readings
-    /// in mm are nothing beside what a compensated machine does, and agree with it: they are told by what they are a thousandth of.
+    /// What would leave no more than a quarter of the differences, if anything does; `is_compensated` as in
+    /// [`crate::verify()`]. Readings in mm are next to nothing, and so agree with a compensated machine: they are recognised
+    /// as a thousandth of the prediction without compensation.
     pub fn mistaken(&self, is_compensated: bool) -> Option<Mistaken> {
         if self.points.len() < LEAST_POINTS {
             return None;

@@ -1,4 +1,4 @@
-//! Lost motion that changes along the axis, as a worn screw has it: `±b(q)/2` by direction as in `backlash`,
+//! Lost motion that changes along the axis, as a worn screw has it: `±b(q)/2` by side of approach as in `backlash`,
 //! `b(q) = mean + slope (q - q_mid)` with `q_mid` in the middle of travel.
 //!
 //! `lost_motion_mean` in µm, `lost_motion_slope` in µm/m; of a rotary axis in arcsec and arcsec/rad.

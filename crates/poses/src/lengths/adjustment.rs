@@ -36,8 +36,8 @@ pub struct LengthsAdjustment<'a> {
     pub(crate) scale: Option<Scale>,
     /// What is known and contradicts the lengths.
     pub known_misfits: Vec<KnownMisfit>,
-    /// What the repeats of stops have alike beyond the model, by the factor of which the noise of `screened` is larger
-    /// than its estimates.
+    /// What the repeats of stops have in common beyond the model: its factor makes the noise of `screened` larger than
+    /// its estimates.
     pub(crate) alike: Option<Alike>,
     /// How far the misfits of neighbouring steps are alike.
     pub slow: Option<Slow>,
@@ -149,8 +149,8 @@ impl<'a> LengthsAdjustment<'a> {
         Ok(weak)
     }
 
-    /// Where repeats agree better with each other than with the model, what they have alike takes its part in U. Nothing is widened
-    /// for a diagnosis, which asks what it is.
+    /// Where repeats agree better with each other than with the model, U contains what they have in common. Nothing is
+    /// widened for a diagnosis, which asks what it is.
     fn widen(&mut self) -> Result<(), Error> {
         let (network, solution) = (&self.screened.network, &self.screened.solution);
         if self.settings.asks_why {

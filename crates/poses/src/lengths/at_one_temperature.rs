@@ -2,7 +2,7 @@
 //!
 //! An axis whose expansion α is declared goes `α q (T - T0)` further than at the first reading. With T of each reading all
 //! lengths lose what that did to them, of axes that stand, too; what is left then holds at `T0` for every step, and the
-//! report refers it to 20 °C. Left in, a temperature that changes from station to station would be an error of none.
+//! report refers it to 20 °C. Left in, a temperature that changes from station to station would be no error of an axis.
 
 use std::borrow::Cow;
 

@@ -15,9 +15,9 @@ use crate::report::KnownMisfit;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CommonValue {
     pub(crate) value: f64,
-    /// Of each observation; zero for those that left.
+    /// Of each observation; zero for those that were removed.
     pub(crate) weights: Vec<f64>,
-    /// How those that contradict the others differ from them: all that left, and several of which nothing
+    /// How those that contradict the others differ from them: all that were removed, and several of which nothing
     /// tells which is wrong.
     pub(crate) misfits: Vec<Contradiction>,
 }
@@ -51,7 +51,7 @@ const TIE: f64 = 0.01;
 /// Nothing checks an observation of which the others leave less than this part.
 const CHECKED: f64 = 1e-6;
 
-/// The mean of observations with this covariance; the first `may_leave` of them leave, one after the other, if
+/// The mean of observations with this covariance; the first `may_leave` of them are removed, one after the other, if
 /// their `|w|` is beyond `limit`. `None` if nothing is left.
 pub(crate) fn common_value(
     observed: &[f64],

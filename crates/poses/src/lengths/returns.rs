@@ -1,4 +1,4 @@
-//! The axes of a campaign, which may return to their steps unequally well ([`Axes`]).
+//! The axes of a campaign, some of which may return to their steps worse than others ([`Axes`]).
 
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_kinematics::{AxisKind, Ideal};

@@ -7,8 +7,9 @@
 //! F = (drop / d) / ((S - drop) / (ν - d))
 //! ```
 //!
-//! with the degrees of freedom `d` of the step and `ν` of the adjustment; of the latter those count that tell the variance of a length.
-//! Steps that fail are freed, those first that fail most, and no longer bend the shape, the stations, and the noise for the others.
+//! with the degrees of freedom `d` of the step and `ν` of the adjustment, as far as they determine the variance of a
+//! length. Steps that fail are freed, the worst first, and no longer bend the shape, the stations and the noise for the
+//! others.
 
 use rayon::prelude::*;
 use trueaxis_kinematics::MICROMETRE;
@@ -103,7 +104,7 @@ struct LeftNoise {
     /// Sum of squares of the adjustment in units of its noise, and its degrees of freedom.
     squares: f64,
     degrees_of_freedom: f64,
-    /// The part of these that tell the variance of a length; infinite where the noise was not estimated.
+    /// Those that determine the variance of a length; infinite where the noise was not estimated.
     part: f64,
 }
 

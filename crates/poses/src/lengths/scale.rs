@@ -1,4 +1,4 @@
-//! The scale of all lengths together, which lengths alone do not tell.
+//! The scale of all lengths together, which lengths alone do not determine.
 //!
 //! An instrument whose scale is off by `s` shows
 //!
@@ -7,7 +7,7 @@
 //! ```
 //!
 //! the lengths of a world that is larger by `1 + s`: they leave the scale of the whole as free as its position. So
-//! they are adjusted as they are, and what they give is then made smaller. What tells the scale is declared, or a
+//! they are adjusted as they are, and what they give is then made smaller. The scale is declared, or follows from a
 //! known distance `D` between two targets, which the adjustment has as `d`:
 //!
 //! ```text
@@ -33,11 +33,11 @@ pub struct ScaleResult {
     pub value: f64,
     /// Its standard uncertainty.
     pub u: f64,
-    /// What tells it.
+    /// What determines it.
     pub basis: ScaleBasis,
 }
 
-/// What tells the scale.
+/// What determines the scale.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ScaleBasis {
     /// `scale_sigma_ppm` alone: the lengths are taken as they are.
@@ -65,7 +65,7 @@ pub(crate) struct Scale {
 const UNDECLARED: f64 = 1e-4;
 
 impl LengthsAdjustment<'_> {
-    /// The scale, if anything tells it, and the known lengths that contradict the others or what is declared;
+    /// The scale, if anything determines it, and the known lengths that contradict the others or what is declared;
     /// `limit` is that of Baarda's `w`.
     pub(crate) fn estimate_scale(&self, limit: f64) -> (Option<Scale>, Vec<KnownMisfit>) {
         let prior = self.campaign.instrument.scale_sigma_ppm;

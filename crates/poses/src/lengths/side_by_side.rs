@@ -1,10 +1,10 @@
 //! What is wrong with lengths where both sides of approach share a pose.
 //!
-//! Lost motion makes the lengths of one side contradict those of the other. Of two sides one would leave at every step, now
-//! this one, now that one, and the curve would jump between them with a small uncertainty; or a station that sees all of it
-//! would seem interrupted between the sides; or all of it together would be refused. Whether something is wrong is then asked of
-//! the lengths of each side by itself. With the same lengths, S and ν of poses that each side has for itself, S₀ and ν₀ of
-//! common ones, all in the noise of the former and with all jumps that either way finds, the sides differ if
+//! Lost motion makes the lengths of one side contradict those of the other. At every step one side would be removed, now
+//! this one, now that one, and the curve would jump between them with a small uncertainty; or a station that sees all of
+//! it would seem interrupted between the sides; or the whole would be refused. The lengths of each side are therefore
+//! searched by themselves. With the same lengths, S and ν of poses that each side has for itself, S₀ and ν₀ of common
+//! ones, all in the noise of the former and with all jumps that either way finds, the sides differ if
 //!
 //! ```text
 //! F = (S₀ - S)/(ν₀ - ν) / (S/ν)     ~ F(ν₀ - ν, ν) if they do not

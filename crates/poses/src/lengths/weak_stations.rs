@@ -10,9 +10,9 @@ const WEAK_STATION: f64 = 1.0;
 const HOPELESS_STATION: f64 = 5.0;
 
 impl LengthsAdjustment<'_> {
-    /// Stations that are so poorly determined that uncertainties of first order mean little: the length
-    /// to a station that is off by u across the beam is off by u²/2d, which no linear propagation sees. The noise of a length, and
-    /// how many times that the lengths contradict each other by.
+    /// Stations that are so poorly determined that first-order uncertainties mean little: the length to a station that is
+    /// off by u across the beam is off by u²/2d, which no linear propagation sees. The last argument is the noise of a
+    /// length, and by how many times that the lengths contradict each other.
     pub(crate) fn weak_stations(
         &self,
         residuals_mm: &[f64],

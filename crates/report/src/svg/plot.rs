@@ -122,7 +122,7 @@ impl Plot {
         self.drawing.marks(class, points);
     }
 
-    /// Tells `text` at a value.
+    /// Shows `text` at a value.
     pub(crate) fn hover(&mut self, point: [f64; 2], text: &str) {
         if point.iter().all(|x| x.is_finite()) {
             let at = self.at(point);

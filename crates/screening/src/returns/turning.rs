@@ -1,8 +1,8 @@
-//! Rotary axes that stop turned by another angle each time.
+//! Rotary axes that stop at a different angle each time.
 //!
-//! The worm or the clamping turns all targets of a visit together, and by more than the repeatability of a coordinate allows: visits
-//! would leave as gross errors, and U would lack the angle of those that stay. The angle is the one at which [`turns`] are as
-//! large as the noise makes them.
+//! The worm or the clamping turns all targets of a visit together, by more than the repeatability of a coordinate
+//! allows: visits would be removed as gross errors, and U would lack the angle of those that stay. The angle is the one
+//! at which [`turns`] are as large as the noise makes them.
 
 use std::borrow::Cow;
 
@@ -13,12 +13,13 @@ use super::turns::turns;
 use super::{Axes, AxisReturn, PLAIN, Returned, STEPS, wrong};
 use crate::{Error, Screened};
 
-/// Standard deviations from one at which a ratio of variances is no chance where less is wrong with it, since the stops that show
-/// it may have left; and at which it is settled.
+/// Standard deviations from one at which a ratio of variances is no chance where less is wrong with it, since the stops
+/// that show it may have been removed; and at which it is settled.
 const LIKELY: f64 = 2.0;
 const SETTLED: f64 = 0.2;
 
-/// Part of what a turn does to a length in its noise that takes no stop away at first, where those that show it may all have left.
+/// A turn that changes lengths by this many times their noise removes no stop at first: those that show it may all have
+/// been removed.
 const EXCUSED: f64 = 10.0;
 
 /// Part of the squares in the declared noise that angles must leave where that noise alone is rejected as clearly.

@@ -1,5 +1,5 @@
-//! Axes that return unequally well: where the visits of one plainly scatter more ([`uneven_axes`]), each has a repeatability of its
-//! own, found where they all scatter alike.
+//! Axes that do not return equally well: where the visits of one plainly scatter more ([`uneven_axes`]), each gets the
+//! repeatability at which they all scatter alike.
 
 use super::{Axes, AxisReturn, PLAIN, Returned, STEPS, wrong};
 use crate::uneven::uneven_axes;

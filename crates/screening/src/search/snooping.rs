@@ -1,4 +1,4 @@
-//! Data snooping: which readings leave, and which come back.
+//! Data snooping: which readings are removed, and which come back.
 
 use trueaxis_multilateration::Tests;
 
@@ -36,8 +36,8 @@ impl Search {
         Ok(())
     }
 
-    /// For each group the reading that should leave first, or else the visit that should leave as a whole, or else
-    /// the reading that should come back first; each with its new variance factor.
+    /// For each group the reading to be removed first, or else the visit to be removed as a whole, or else the reading
+    /// that should come back first; each with its new variance factor.
     pub(super) fn changes(&self, tests: &Tests, spread: f64) -> Vec<(usize, f64)> {
         let limit = self.limit(READINGS_LEVEL) * spread;
         let groups = self.network.groups.len();

@@ -15,7 +15,7 @@ pub(super) const STEPS_LEVEL: f64 = 1e-3;
 /// A step with fewer readings before or after it cannot be distinguished from gross errors.
 const LEAST_STEP: usize = 4;
 
-/// Width of the weights, in spreads, after a split: most far readings have left by then.
+/// Width of the weights, in spreads, after a split: most far readings are removed by then.
 const WIDE_AGAIN: f64 = 4.0;
 
 /// Splits for each station on average; more of them are not interruptions.
@@ -157,7 +157,7 @@ impl Search {
         (size <= self.limit(STEPS_LEVEL) * spread).then_some(split)
     }
 
-    /// Undoes splits that separate nothing because all readings on one side have left.
+    /// Undoes splits that separate nothing because all readings on one side were removed.
     pub(super) fn merge_empty_occupations(&mut self) -> Result<(), Error> {
         loop {
             let mut is_used = vec![false; self.network.zeros()];
