@@ -8,7 +8,7 @@ use trueaxis_tests::{components, in_parallel};
 
 const SCENARIO: &str = include_str!("../../../campaigns/fxyz/scenario.json");
 
-/// A meter whose error of 1 µm comes back with the length, in two repeats: U took what repeats have alike for independent noise, and
+/// A meter whose error of 1 µm comes back with the length, in two repeats: U took what repeats have in common for independent noise, and
 /// held 60 % of the angles and 77 % of the translations. The share inside 95 % scatters by 2 % for eight campaigns.
 #[test]
 fn u_holds_where_repeats_reject_the_model() {

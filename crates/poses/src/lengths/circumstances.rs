@@ -48,7 +48,7 @@ pub struct LengthCircumstances {
     speed_per_s: f64,
     /// The step of the campaign.
     pub step: usize,
-    /// Number of the sweep: one axis, one repeat, one direction, from one station, in time order.
+    /// Number of the sweep: one axis, one repeat, one side of approach, from one station, in time order.
     pub sweep: usize,
     /// Its number within the occupation of the station.
     pub sweep_of_occupation: usize,

@@ -73,10 +73,10 @@ impl LengthsAdjustment<'_> {
         if screened.noise.basis == NoiseBasis::CommonFactor {
             let declared = self.campaign.instrument.repeatability_um.is_some();
             notices.push(match declared {
-                true => "the lengths do not tell their own noise from the machine's repeatability: the declared \
+                true => "the lengths do not separate their own noise from the machine's repeatability: the declared \
                          ratio of the two is kept"
                     .to_owned(),
-                false => "the lengths do not tell their own noise from the machine's repeatability, and no \
+                false => "the lengths do not separate their own noise from the machine's repeatability, and no \
                           `repeatability_um` is declared: all noise is taken for that of single lengths"
                     .to_owned(),
             });
@@ -117,7 +117,7 @@ impl LengthsAdjustment<'_> {
     fn alike(&self) -> Option<String> {
         self.alike.as_ref().map(|alike| {
             format!(
-                "repeats of a stop agree with each other {:.1} times as well as with the model ({}): what they have alike is no noise; all U are \
+                "repeats of a stop agree with each other {:.1} times as well as with the model ({}): what they have in common is no noise; all U are \
                  {:.1} times those of the noise, but what moves or warms up in the course of a campaign may do more; `trueaxis diagnose` \
                  looks for it",
                 alike.ratio,
@@ -131,8 +131,8 @@ impl LengthsAdjustment<'_> {
     fn slow(&self) -> Option<String> {
         self.slow.as_ref().map(|slow| {
             format!(
-                "what the model leaves of the lengths changes slowly from step to step (correlation {:.2}; {}): something drifts, slipped, or the air \
-                 stirs; U of squareness and of where axes are is {:.1} times that of independent errors; `trueaxis diagnose` looks for it",
+                "what the model leaves of the lengths changes slowly from step to step (correlation {:.2}; {}): something drifts or slipped, or the air \
+                 stirs; U of squareness and location is {:.1} times that of independent errors; `trueaxis diagnose` looks for it",
                 slow.correlation,
                 p_in_words(slow.p_value),
                 slow.ratio.sqrt()
@@ -148,8 +148,8 @@ impl LengthsAdjustment<'_> {
         if zeros.len() > 1 && 2 * zeros.len() > self.campaign.stations.len() {
             let names: Vec<&str> = zeros.iter().map(name).collect();
             return vec![format!(
-                "stations {}: their zeros seem to wander by up to {:.1} µm rms; in so many it is rather something that all of them see, as \
-                 a target that moved, an axis or a workshop that warms up: `trueaxis diagnose` looks for it",
+                "stations {}: their zeros seem to wander by up to {:.1} µm rms; with so many it is rather something that all of them see, such \
+                 as a target that moved, an axis or a workshop that warms up: `trueaxis diagnose` looks for it",
                 names.join(", "),
                 zeros.iter().map(rms_um).fold(0.0, f64::max)
             )];
@@ -187,7 +187,7 @@ impl LengthsAdjustment<'_> {
         let seen = slip.station.map(station);
         let seen = seen.map(|name| format!(", while station {name} saw it"));
         Some(format!(
-            "from about line {} of the lengths on they change as if target {} had shifted by {:.1} ± {:.1} µm in its nest{}, or something drifts ({}): U does not \
+            "from about line {} on the lengths change as if target {} had shifted by {:.1} ± {:.1} µm in its nest{}, or something drifts ({}): U does not \
              contain what that does to the results; `trueaxis diagnose` looks for the cause and calibrates without it",
             self.lengths.readings[self.screened.kept[slip.first_reading]].line,
             names.join(" or "),
@@ -205,8 +205,8 @@ impl LengthsAdjustment<'_> {
             .unnoticed_jump()
             .filter(|worst| worst.in_u > HARMFUL)?;
         Some(format!(
-            "most stops were read once from each station: if the zero of station {} jumps in mid-campaign (the beam is interrupted, the tripod \
-             moves), less than {:.1} µm are not found, and change results by up to {:.0} u ({}), which U does not contain; read \
+            "most stops were read once from each station: a jump of the zero of station {} in mid-campaign (the beam is interrupted, the tripod \
+             moves) below {:.1} µm is not found, and changes results by up to {:.0} u ({}), which U does not contain; read \
              each run there and back",
             self.campaign.stations[worst.station].name,
             worst.jump_mm / MICROMETRE,
@@ -248,8 +248,8 @@ impl LengthsAdjustment<'_> {
             let stations = own.stations.iter();
             let stations = stations.map(|&j| self.campaign.stations[j].name.as_str());
             format!(
-                "station {}: {} lengths scatter {:.1} times as much as the others, but all weigh alike: U is too small for what \
-                 hangs on them; see whether the tripod stood firmly, and measure them again",
+                "station {}: {} lengths scatter {:.1} times as much as the others, but all have the same weight: U is too small for what \
+                 depends on them; see whether the tripod stood firmly, and measure them again",
                 stations.collect::<Vec<_>>().join(", "),
                 if own.are_whole { "its" } else { "many" },
                 own.ratio.sqrt()

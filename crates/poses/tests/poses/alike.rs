@@ -1,4 +1,4 @@
-//! What repeats of a stop have alike is no noise.
+//! What repeats of a stop have in common is no noise.
 
 use std::f64::consts::TAU;
 
