@@ -1,5 +1,5 @@
-//! One curve through other steps has another average line or axis. Two calibrations are compared in one that goes through
-//! positions `q_i` that both know.
+//! The average line or axis through positions `q_i` that two calibrations know, to which both are referred: the same curve
+//! has another one through other steps.
 //!
 //! Straightness is given from the least-squares line through the steps, location errors are those of these lines, and the
 //! frame follows from two of them. The gauge of a calibration leaves a curve `f` open up to `Λ(q) x` and fixes it by `Σ C f = 0`

@@ -2,12 +2,12 @@
 //!
 //! Component errors are compared at the steps of the second calibration that lie inside those of the first, where the
 //! first is interpolated; location errors as they are. The two are taken for independent, so that `u² = u_a² + u_b²`, with
-//! what the interpolation may be off by. Both are in the frame and gauge of their own, by the same rules: what they define
-//! away differs by nothing, if lines are through the same positions. Where steps differ, both are therefore
-//! referred to a line (or axis) through positions that both know ([`crate::common_line`]); what else follows from other steps is
-//! marked ([`Difference::follows_from_other_steps`]). Translations and average lines are those of the reference point, so that
-//! calibrations with other reference points are not compared; errors that are zero elsewhere than at home
-//! ([`CalibratedMachine::other_homes`]) are.
+//! what the interpolation may be off by. Each is in its own frame and gauge, by the same rules, which agree if their lines
+//! go through the same positions. Where steps differ, both are therefore referred to a line (or axis) through positions
+//! that both know ([`crate::common_line`]); what else follows from other steps is marked
+//! ([`Difference::follows_from_other_steps`]). Translations and average lines are those of the reference point, so that
+//! calibrations with different ones are not compared; those whose errors are zero elsewhere than at home are
+//! ([`CalibratedMachine::other_homes`]).
 
 use trueaxis_kinematics::{AxisKind, Component, LocationComponent};
 

@@ -12,11 +12,12 @@
 //! to see how well that goes ([`crate::remainder`]). A rotary axis whose steps go round a full turn has no
 //! ends. Outside its steps an axis has the errors of the last.
 //!
-//! The polynomial amplifies noise by the ratio of distances: of two steps 0.5 mm apart beside one at 50 mm it makes a
-//! hundredfold. It therefore goes through *knots* ([`crate::knots`]): steps that are much nearer to each other than to the others, as
-//! those of two runs of an axis may be, are one at their mean position with the mean of their errors. What the polynomial leaves of the
-//! error of each of these steps, `r_j = f_j - p(q_j)`, is added in proportion to the distance, from the step before it to the step after
-//! it, so that the curve goes through every step (those nearer than a fiftieth are one), is continuous and linear in the data, and amplifies no noise.
+//! The polynomial amplifies noise by the ratio of distances: a hundredfold with two steps 0.5 mm apart and one at 50 mm.
+//! It therefore goes through *knots* ([`crate::knots`]): steps that are much nearer to each other than to the others, as
+//! those of two runs of an axis may be, are one at their mean position with the mean of their errors. What the polynomial
+//! leaves of the error of each of these steps, `r_j = f_j - p(q_j)`, is added, linearly from the step before it to the
+//! step after it. The curve thus goes through every step (those nearer than a fiftieth are one), is continuous and linear
+//! in the data, and amplifies no noise.
 
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
@@ -58,7 +59,7 @@ pub(crate) struct Sample {
     pub(crate) is_below: bool,
 }
 
-/// The side of approach, if it is one alone, and how many steps of it, or of each, are below.
+/// The side of approach, if only one counts, and how many steps of it, or of each side, are below a position.
 pub(crate) type Gap = (Option<usize>, Vec<usize>);
 
 #[derive(Debug, Clone, PartialEq)]

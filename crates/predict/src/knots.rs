@@ -14,7 +14,7 @@ const NEAR: f64 = 0.25;
 /// A divided difference as a function of the nodes, which it is over.
 pub(crate) type DividedDifference = Vec<(usize, f64)>;
 
-/// Steps whose distance is less than this part of another in the same polynomial are one: what they differ by is noise, and no slope.
+/// Steps whose distance is less than this part of another in the same polynomial are one: their difference is noise, no slope.
 const COINCIDENT: f64 = 0.02;
 
 /// Where nodes are, mm or rad.
@@ -65,7 +65,7 @@ pub(crate) fn well_apart(steps: Vec<Step>) -> Vec<Knot> {
     gathered(steps.collect(), NEAR)
 }
 
-/// Makes one of neighbours that are nearer than a part of the other gaps, those nearest beside the others first, until none are.
+/// Joins neighbours that are nearer than a part of the other gaps, the relatively nearest first, until none are.
 fn gathered(steps: Vec<Step>, near: f64) -> Vec<Knot> {
     let of_one = |step: Step| Knot {
         position: step.position,

@@ -32,9 +32,9 @@
 //! ```
 //!
 //! `s_1`, `s_2` are the same rms of slopes and second differences over the curve. What the gauge leaves of a straightness is
-//! steeper at its ends than elsewhere, as is a bow: by the mean slope alone u would be too small by up to 1.8 (3 for polynomials
-//! of the fifth degree). But where next to nothing is seen of a slope, u does not fall below its mean. Noise may hide the slopes
-//! over single steps (u would be 0 beyond home, where an angle is 0 by definition): `s_1` is the largest rms of those over 1, 2,
+//! steepest at its ends, as is a bow: by the mean slope alone u would be too small by a factor of up to 1.8 (3 for
+//! polynomials of the fifth degree). Where the slope at the end is small, the mean counts. Noise may hide the slopes over
+//! single steps (u would be 0 beyond home, where an angle is 0 by definition): `s_1` is the largest rms of those over 1, 2,
 //! 4, … steps. A mean slope over more steps has less noise, and is no larger than those that it is the mean of.
 
 use nalgebra::Vector6;
