@@ -193,7 +193,7 @@ impl RunPlan<'_> {
     }
 }
 
-/// More positions than any axis is measured at; a step this small is a slip.
+/// More positions than any axis is measured at; a step this small is a mistake.
 const MOST_POSITIONS: u32 = 100_000;
 
 /// Positions are rounded to this many per mm or deg, so that `3 · 0.1` is `0.3`.

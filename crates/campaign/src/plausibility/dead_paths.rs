@@ -1,7 +1,7 @@
 //! Known dead paths against the lengths.
 //!
 //! With the dead path L the distance to the target is `|p - S| = l + L`, so it is positive for every length l. A dead path of the
-//! wrong sign, or in metres, makes most of them negative; a single one is a slip in the length.
+//! wrong sign, or in metres, makes most of them negative; a single one is an error of the length.
 
 use std::path::Path;
 

@@ -30,7 +30,7 @@ pub struct Positioning {
     pub is_short: bool,
     /// From below, from above, both sides.
     pub sides: [Option<Side>; 3],
-    /// Reversal error B: the largest amount.
+    /// Reversal value B: the largest amount.
     pub b_um: Option<f64>,
     /// Its mean, B̄, with its sign.
     pub mean_b_um: Option<f64>,
