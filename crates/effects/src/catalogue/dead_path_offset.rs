@@ -1,4 +1,4 @@
-//! A constant offset of all lengths of a station, `D_l = a`. The dead path takes it up, so no length shows it.
+//! A constant offset of all lengths of a station, `D_l = a`. The dead path absorbs it, so no length shows it.
 //!
 //! a is `offset` in µm; a positive one makes lengths longer.
 
@@ -14,7 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Length(|_| MICROMETRE),
     explanation: Explanation {
         cause: "the interferometer's zero is off by a constant",
-        consequence: "none: the dead path of the station takes it up",
+        consequence: "none: the dead path of the station absorbs it",
         action: "nothing",
         separate_by: "compare the dead path with an absolute distance",
     },

@@ -14,7 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Target(|of| MICROMETRE * of.at.progress),
     explanation: Explanation {
         cause: "the machine drifts: its structure or its foundation deforms slowly as a whole",
-        consequence: "what is measured at the end sees another machine than what is measured at the start; squareness and straightness are distorted",
+        consequence: "what is measured at the start and at the end sees different machines; squareness and straightness are distorted",
         action: "warm the machine up, keep doors and cooling as in use, shorten the campaign",
         separate_by: "read fixed points on the bed (three targets, if by a tracker) at the start and the end of every set-up: they stand still when the machine drifts, and move with an instrument or a tripod that creeps",
     },

@@ -32,7 +32,7 @@ pub(super) const EFFECT: Effect = Effect {
     }),
     explanation: Explanation {
         cause: "the drive is worn where it is used most: play that is not the same along the axis",
-        consequence: "the two sides of approach differ by another amount at each position; one value in the backlash compensation is right at one position only",
+        consequence: "the two sides of approach differ by a different amount at each position; one value in the backlash compensation is right at one position only",
         action: "replace or re-preload the screw, or give the control a table of backlash over position",
         separate_by: "measure the axis from both sides with a finer step where it is used most: play that follows wear is largest there",
     },
@@ -41,7 +41,7 @@ pub(super) const EFFECT: Effect = Effect {
 /// Lost motion that changes its sign along the axis, as no play does.
 pub const LOST_MOTION_OF_BOTH_SIGNS: Explanation = Explanation {
     cause: "the two sides of approach differ by an amount that changes its sign along the axis: friction, wind-up or the way the control stops; play alone has one sign",
-    consequence: "the two sides of approach differ by another amount at each position; one value in the backlash compensation is right at one position only",
+    consequence: "the two sides of approach differ by a different amount at each position; one value in the backlash compensation is right at one position only",
     action: "look at guideways, preload and servo settings before the compensation; a table for each direction takes away what repeats",
     separate_by: "measure the axis from both sides at two feeds and with a finer step: what the control makes changes with the feed",
 };

@@ -30,7 +30,7 @@ pub(super) const EFFECT: Effect = Effect {
         cause: "the stage bends as it moves (guideway, weight, clamping), so that this target moves against the others",
         consequence: "three targets on a stage that is not rigid give wrong angular errors",
         action: "mount the targets on one stiff plate, or include the bending in the model of the machine",
-        separate_by: "put a fourth target on the stage: it tells which target moves",
+        separate_by: "put a fourth target on the stage: it shows which target moves",
     },
 };
 

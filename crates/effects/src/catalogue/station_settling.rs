@@ -22,7 +22,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::Station(|of| MICROMETRE * (-of.at.occupation_elapsed_s / of.shape).exp()),
     explanation: Explanation {
         cause: "the tripod had just been set up: its feet sink in, its joints relax, or the tracker warms up in its new place",
-        consequence: "the first runs of the occupation were measured from another place than the later ones",
+        consequence: "the first runs of the occupation were measured from a different place from the later ones",
         action: "wait for three time constants after setting up, then read the first run of the occupation again; fix the tripod to the floor",
         separate_by: "read three fixed targets on the bed from the start of the occupation on: their readings change if the tripod settles, and stay if the machine warms up",
     },

@@ -14,7 +14,7 @@ pub(super) const EFFECT: Effect = Effect {
     form: Form::TargetOnStage(|_| MICROMETRE),
     explanation: Explanation {
         cause: "the target slipped in its nest (touched, clamped badly, dirt under it)",
-        consequence: "the triangle of targets has another shape from then on: angular errors of all axes measured later are off",
+        consequence: "the triangle of targets has a different shape from then on: angular errors of all axes measured later are off",
         action: "clean and clamp the target, measure again from that instant on",
         separate_by: "measure the three distances between the targets before and after, or put a fourth target on the stage",
     },

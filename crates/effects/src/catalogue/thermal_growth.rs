@@ -32,7 +32,7 @@ pub(super) const EFFECT: Effect = Effect {
         cause: "a part of the machine grows with the temperature that was logged: spindle, column, screw or scale",
         consequence: "the results hold at the temperatures of the measurement only, and differ from run to run",
         action: "let the control compensate with this coefficient and this sensor, or keep the temperature; calibrate --with-effects takes it out to the temperature at the start",
-        separate_by: "let the temperature follow another course than time: warm up, cool down and warm up again between the runs, and log it",
+        separate_by: "let the temperature not simply follow time: warm up, cool down and warm up again between the runs, and log it",
     },
 };
 
