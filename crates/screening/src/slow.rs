@@ -54,7 +54,7 @@ pub fn slow(network: &Network, rows: &Whitened, runs: &[Vec<usize>]) -> Option<S
         squares += sum.norm_squared();
         count += sum.len() as f64;
         let mut before = sum.clone();
-        // A step whose points are others is none of the row.
+        // A step with other points does not belong to the row.
         for x in steps
             .filter(|step| step.points == first.points)
             .map(Mean::of_visit)

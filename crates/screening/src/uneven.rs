@@ -164,7 +164,7 @@ fn parts(
         let Some((range, plain)) = row.scattered_part() else {
             break;
         };
-        // What is as plain of a whole station is of that.
+        // A whole station that scatters as plainly is meant: it is no part.
         let of = |visit: usize| network.visits[visit].station;
         let plain_of = |station: usize| {
             let own = all.iter().filter(|(visit, _)| of(*visit) == station);
@@ -180,7 +180,7 @@ fn parts(
             continue;
         }
         let ratio = row.higher(range.len(), row.sums[range.end] - row.sums[range.start]);
-        // What scatters a little beyond its ends does more harm than what weighs less there; y is of two visits.
+        // Some visits beyond the ends are included: good ones do less harm than missing bad ones; y is of two visits.
         let first = all[range.start.saturating_sub(BEYOND)].0.saturating_sub(1);
         let last = all[(range.end - 1 + BEYOND).min(all.len() - 1)].0;
         let is_new = |visit: &usize| parts.iter().all(|part| !part.visits.contains(visit));

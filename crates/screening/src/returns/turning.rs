@@ -34,7 +34,7 @@ impl Axes<'_> {
         let (mut found, limit) = self.start(together)?;
         let mut ratios = self.usual();
         let is_plain = self.improve(&found, &mut ratios, PLAIN);
-        // Of a lone table all noise that the residuals show is that of its angle, beside which this is no excess.
+        // All noise of a lone rotary axis may be that of its angle, beside which this is no excess.
         let squares = found.given_squares;
         let is_noisy =
             self.declared && EXPLAINED * squares > found.solution.degrees_of_freedom() as f64;

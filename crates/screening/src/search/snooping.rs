@@ -8,7 +8,7 @@ use crate::robust_weights::REMOVED;
 
 impl Search {
     pub(super) fn snoop(&mut self) -> Result<(), Error> {
-        // A reading that leaves and comes back repeatedly stays out.
+        // A reading that is removed and comes back repeatedly stays out.
         let mut returns = vec![0_u8; self.network.readings.len()];
         for _ in 0..MAX_ROUNDS {
             if self.is_lost() {
