@@ -15,9 +15,8 @@
 //! The polynomial amplifies noise by the ratio of distances: a hundredfold with two steps 0.5 mm apart and one at 50 mm.
 //! It therefore goes through *knots* ([`crate::knots`]): steps that are much nearer to each other than to the others, as
 //! those of two runs of an axis may be, are one at their mean position with the mean of their errors. What the polynomial
-//! leaves of the error of each of these steps, `r_j = f_j - p(q_j)`, is added, linearly from the step before it to the
-//! step after it. The curve thus goes through every step (those nearer than a fiftieth are one), is continuous and linear
-//! in the data, and amplifies no noise.
+//! leaves of each error, `r_j = f_j - p(q_j)`, is added, linearly from the step before to the step after it. The curve goes
+//! through every step (those nearer than a fiftieth are one), is continuous and linear in the data, and amplifies no noise.
 
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;

@@ -1,10 +1,9 @@
 //! Misfits that change slowly from step to step.
 //!
 //! Drifts, slips and stirring air make the errors of neighbouring steps alike, so that the mean of n of them is less
-//! certain than that of n independent ones. At each step the whitened residuals of a station are averaged over its
-//! visits, both sides of approach and all repeats: lost motion, of which a pose takes the mean of both sides, is not in
-//! these means, and those of noise are independent. With these means, x, times the root of the number of visits, over
-//! the stations, runs and targets
+//! certain than that of n independent ones. The whitened residuals of a station at a step are averaged over both sides of
+//! approach and all repeats: lost motion, of which a pose takes the mean, is not in these means, and those of noise are
+//! independent. With these means, x, times the root of the number of visits, over the stations, runs and targets
 //!
 //! ```text
 //! ρ = Σ x_i x_i+1 / Σ x_i²     z = ρ √N ~ N(0, 1) without correlation     Λ = Σ_runs (Σ x_i)² / Σ x_i²

@@ -31,9 +31,8 @@ const JUMP: f64 = 3.0;
 const PLAIN: f64 = 3.5;
 const MATTERS: f64 = 1.3;
 
-/// Instants at which a part may begin and end, its fewest visits, and the standard deviations of the difference between the
-/// means of y that are beyond chance wherever it lies. Neighbouring changes share a visit: the variance of a mean is larger
-/// by a half.
+/// Instants where a part may begin or end, its fewest visits, and the standard deviations of the difference of the means of y
+/// that are beyond chance wherever it lies. Neighbouring changes share a visit: the variance of a mean is larger by a half.
 const INSTANTS: usize = 96;
 const LEAST_VISITS: usize = 12;
 const PLAIN_PART: f64 = 5.0;

@@ -79,9 +79,8 @@ impl Verified {
         (off.len() >= LEAST_POINTS && is_far).then_some(*first)
     }
 
-    /// What would leave no more than a quarter of the differences, if anything does; `is_compensated` as in
-    /// [`crate::verify()`]. Readings in mm are next to nothing, and so agree with a compensated machine: they are recognised
-    /// as a thousandth of the prediction without compensation.
+    /// What would leave no more than a quarter of the differences; `is_compensated` as in [`crate::verify()`]. Readings in mm
+    /// are so small that they agree with a compensated machine: a thousandth of the prediction without it reveals them.
     pub fn mistaken(&self, is_compensated: bool) -> Option<Mistaken> {
         if self.points.len() < LEAST_POINTS {
             return None;

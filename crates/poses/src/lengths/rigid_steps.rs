@@ -7,9 +7,8 @@
 //! F = (drop / d) / ((S - drop) / (ν - d))
 //! ```
 //!
-//! with the degrees of freedom `d` of the step and `ν` of the adjustment, as far as they determine the variance of a
-//! length. Steps that fail are freed, the worst first, and no longer bend the shape, the stations and the noise for the
-//! others.
+//! with the degrees of freedom `d` of the step, and `ν` of the adjustment that determine the variance of a length. Steps
+//! that fail are freed, the worst first, and no longer bend the shape, the stations and the noise for the others.
 
 use rayon::prelude::*;
 use trueaxis_kinematics::MICROMETRE;

@@ -18,8 +18,7 @@ use crate::{Error, Screened};
 const LIKELY: f64 = 2.0;
 const SETTLED: f64 = 0.2;
 
-/// A turn that changes lengths by this many times their noise removes no stop at first: those that show it may all have
-/// been removed.
+/// A turn that changes lengths by this many times their noise removes no stop at first, or none might be left to show it.
 const EXCUSED: f64 = 10.0;
 
 /// Part of the squares in the declared noise that angles must leave where that noise alone is rejected as clearly.
