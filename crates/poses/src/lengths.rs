@@ -19,6 +19,7 @@ mod shared_sources;
 mod side_by_side;
 mod side_difference;
 mod targets_that_moved;
+mod uneven;
 mod weak_stations;
 
 pub use adjustment::LengthsAdjustment;
@@ -32,3 +33,4 @@ pub use network::{CampaignNetwork, Group, network_from_campaign};
 pub use reflectors::ReflectorConstant;
 pub use scale::{ScaleBasis, ScaleResult};
 pub use side_difference::SideDifference;
+pub use uneven::uneven_in_words;

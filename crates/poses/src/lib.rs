@@ -54,7 +54,7 @@ pub use lengths::{
     CampaignNetwork, EffectsOnLengths, Group, LengthCircumstances, LengthsAdjustment, Observation,
     ReflectorConstant, ScaleBasis, ScaleResult, SideDifference, at_one_temperature,
     constant_feed_per_s, length_circumstances, network_from_campaign, scene_of,
-    temperature_histories,
+    temperature_histories, uneven_in_words,
 };
 pub use measure::{MeasuredPoses, NoiseByEquations, measure};
 pub use missing::missing;

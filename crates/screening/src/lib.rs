@@ -69,5 +69,7 @@ pub use screen::{is_clean, screen, screen_unless, screen_within};
 pub use screened::{Jump, Removed, Screened, WanderingZero};
 pub use slip::{Slip, Slips};
 pub use slow::{Slow, slow};
-pub use uneven::{Scatter, Uneven, uneven, uneven_axes, uneven_lengths, weigh_uneven};
+pub use uneven::{
+    MoreScatter, Scatter, Uneven, Whose, uneven, uneven_axes, uneven_lengths, weigh_uneven,
+};
 pub use unnoticed::Unnoticed;

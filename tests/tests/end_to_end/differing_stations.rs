@@ -20,24 +20,25 @@ fn diagnosed(campaign: &Campaign) -> Diagnosis {
 
 /// Noise of so many µm on the lengths of the third station, besides.
 fn scattered(campaign: &mut Campaign, sigma_um: f64, seed: u64) {
-    scattered_at(campaign, sigma_um, seed, |_, stop| stop.station == 2);
+    scattered_at(campaign, sigma_um, seed, |_, stop, _| stop.station == 2);
 }
 
-/// The same on the lengths of some stops, by their part of the campaign.
+/// The same on some lengths, by their part of the campaign, their stop and their target.
 fn scattered_at(
     campaign: &mut Campaign,
     sigma_um: f64,
     seed: u64,
-    is_at: impl Fn(f64, &Stop) -> bool,
+    is_at: impl Fn(f64, &Stop, usize) -> bool,
 ) {
     let mut generator = ChaCha8Rng::seed_from_u64(seed);
     let lengths = campaign.lengths.as_mut().unwrap();
     let count = lengths.stops.len() as f64;
-    let stops = (0_u32..).zip(&lengths.stops);
-    for (_, stop) in stops.filter(|(number, stop)| is_at(f64::from(*number) / count, stop)) {
+    for (number, stop) in (0_u32..).zip(&lengths.stops) {
         for reading in &mut lengths.readings[stop.readings.clone()] {
-            let noise: f64 = StandardNormal.sample(&mut generator);
-            reading.length_mm += 1e-3 * sigma_um * noise;
+            if is_at(f64::from(number) / count, stop, reading.target) {
+                let noise: f64 = StandardNormal.sample(&mut generator);
+                reading.length_mm += 1e-3 * sigma_um * noise;
+            }
         }
     }
 }
@@ -57,8 +58,7 @@ fn a_station_that_scatters_more_names_nothing() {
             found.causes
         );
         let is_said = |notice: &String| {
-            notice.starts_with("station S3: its lengths, or many of them, scatter")
-                && notice.contains("weigh less")
+            notice.starts_with("station S3: its lengths scatter") && notice.contains("weigh less")
         };
         assert!(
             found.notices.iter().any(is_said),
@@ -87,12 +87,12 @@ fn a_part_of_the_campaign_that_scatters_more_names_nothing() {
     let outcomes = in_parallel(0..4_u64, |seed| {
         let mut campaign = blind::campaign(&Kind::three_axis(), &[], 700 + seed);
         let first = 0.2 * (seed as f64 + 0.5);
-        scattered_at(&mut campaign, 0.76, seed, |part, _| {
+        scattered_at(&mut campaign, 0.76, seed, |part, _, _| {
             (first..first + 0.25).contains(&part)
         });
         let found = diagnosed(&campaign);
         let mut notices = found.notices.iter();
-        let is_said = notices.any(|n| n.contains("its lengths, or many of them, scatter"));
+        let is_said = notices.any(|n| n.contains("lengths scatter more than the others"));
         assert_ne!(
             found.verdict,
             Verdict::Named,
@@ -104,6 +104,49 @@ fn a_part_of_the_campaign_that_scatters_more_names_nothing() {
     assert!(outcomes.iter().all(|(is_said, _)| *is_said), "{outcomes:?}");
     let alarms = outcomes.iter().filter(|(_, is_clean)| !is_clean).count();
     assert!(alarms <= 1, "{outcomes:?}");
+}
+
+/// A dirty reflector: in the noise of all, twenty of a hundred campaigns had a cause, or something unknown.
+#[test]
+fn a_target_that_scatters_more_is_said_and_names_nothing() {
+    let mut campaign = blind::campaign(&Kind::three_axis(), &[], 400);
+    scattered_at(&mut campaign, 1.0, 0, |_, _, target| target == 2);
+    let found = diagnosed(&campaign);
+    assert_eq!(found.verdict, Verdict::Clean, "{:?}", found.causes);
+    let calibration = calibrate(&campaign, &Calibrating::default()).unwrap();
+    for notices in [found.notices, calibration.notices] {
+        let is_said = |n: &String| n.starts_with("target K: its lengths scatter");
+        assert!(notices.iter().any(is_said), "{notices:?}");
+    }
+}
+
+/// How many of a hundred campaigns with a dirty reflector alarm, and in how many it is named.
+#[test]
+#[ignore = "study: 300 diagnoses"]
+fn targets_that_scatter_more_hardly_ever_name_anything() {
+    for sigma_um in [0.5, 1.0, 4.0] {
+        let outcomes = in_parallel(0..100_u64, |seed| {
+            let mut campaign = blind::campaign(&Kind::three_axis(), &[], 400 + seed);
+            scattered_at(&mut campaign, sigma_um, seed, |_, _, target| target == 2);
+            let found = diagnosed(&campaign);
+            let says_so = |n: &String| n.starts_with("target K: its lengths scatter");
+            let is_said = found.notices.iter().any(says_so);
+            let is_other = found
+                .notices
+                .iter()
+                .any(|n| n.contains("lengths scatter") && !says_so(n));
+            (found.verdict != Verdict::Clean, is_said, is_other)
+        });
+        let count = |is: fn(&(bool, bool, bool)) -> bool| outcomes.iter().filter(|o| is(o)).count();
+        let [alarms, said, others] = [count(|o| o.0), count(|o| o.1), count(|o| o.2)];
+        println!(
+            "{sigma_um} µm: {alarms} of 100 alarm; K is said to scatter in {said}, others in {others}"
+        );
+        assert!(
+            alarms < 8 && said > 95 && others == 0,
+            "{sigma_um} µm: {alarms}, {said}, {others}"
+        );
+    }
 }
 
 /// How many of a hundred campaigns with such a station alarm. Of clean ones some 1 to 1.5 % do; eight of a hundred would be by chance

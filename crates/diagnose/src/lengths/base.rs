@@ -7,7 +7,7 @@ use trueaxis_poses::{
     CampaignNetwork, Group, LengthCircumstances as Reading, LengthsAdjustment, Method, Observation,
     length_circumstances, network_from_campaign, scene_of, temperature_histories,
 };
-use trueaxis_screening::{Removed, solve_as_a_set, weigh_uneven};
+use trueaxis_screening::{Removed, Whose, solve_as_a_set, weigh_uneven};
 use trueaxis_selection::Hypothesis;
 
 use crate::Error;
@@ -32,8 +32,8 @@ pub(crate) struct Base<'a> {
     pub(super) declared: bool,
     /// Readings that were left out as gross errors.
     pub(crate) left_out: Vec<LeftOut>,
-    /// Stations of which lengths scatter more than the others, and have less weight.
-    pub(crate) uneven: Vec<usize>,
+    /// What lengths have in common that scatter more than the others, and have less weight.
+    pub(crate) uneven: Vec<Whose>,
     /// Disturbances in the covariance of the lengths.
     pub(crate) disturbances: Vec<Disturbance>,
     /// First and last time of all lengths, s.

@@ -2,7 +2,7 @@
 
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::Level;
-use trueaxis_poses::LengthsAdjustment;
+use trueaxis_poses::{LengthsAdjustment, uneven_in_words};
 
 use crate::engine::{
     HeldOut, Suspect, Wanders, add_rival_disturbances, cause, wandered, wandered_mm,
@@ -185,13 +185,10 @@ fn notices(base: &Base<'_>) -> Vec<String> {
             lines.join(", ")
         ));
     }
-    for &station in &base.uneven {
-        notices.push(format!(
-            "station {}: its lengths, or many of them, scatter more than the others and weigh less here: see whether the tripod stood firmly, and \
-             what passed through the beam",
-            base.scene.stations[station]
-        ));
-    }
+    notices.extend(base.uneven.iter().map(|whose| {
+        let how = "scatter more than the others and weigh less here";
+        uneven_in_words(whose, how, base.campaign, (&base.network, &base.groups))
+    }));
     let times = || base.readings.iter().map(|r| r.time_s);
     if times().all(|t| Some(t) == times().next()) {
         notices.push(

@@ -24,7 +24,7 @@ pub(super) fn weighed<'a>(
         let of_carrier = scatters.iter().enumerate();
         let of_carrier = of_carrier.map(|(k, own)| own.filter(|_| carrier(k) == carrier(target)));
         let uneven = uneven(&of_carrier.collect::<Vec<_>>());
-        carrier(target).is_some() && uneven.iter().any(|own| own.0 == target)
+        carrier(target).is_some() && uneven.iter().any(|own| own.number == target)
     });
     let told: Vec<usize> = told.collect();
     if told.is_empty() {

@@ -36,6 +36,21 @@ pub struct Group {
     pub body: Option<usize>,
 }
 
+/// The campaign's target at a place of a body of a network made of the campaign.
+pub(crate) fn target_at(
+    network: &Network,
+    groups: &[Group],
+    (body, place): (usize, usize),
+) -> Option<usize> {
+    let bodies = network.bodies.as_deref()?;
+    let mut placed = bodies.of_groups.iter().zip(groups);
+    placed.find_map(|(placed, group)| {
+        let point = placed.places.iter().position(|own| *own == place);
+        let point = point.filter(|_| placed.body == Some(body))?;
+        group.targets.get(point).copied()
+    })
+}
+
 /// Which targets of a step move together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Together {

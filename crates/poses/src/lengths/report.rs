@@ -7,13 +7,15 @@ use trueaxis_screening::{
 };
 
 use crate::lengths::LengthsAdjustment;
+use crate::lengths::network::target_at;
+use crate::lengths::uneven::uneven_in_words;
 use crate::report::{
     AdjustmentReport, InterruptedOccupation, NoiseReport, PartReport, RejectedLength,
     approached_from_both_sides, p_in_words,
 };
 use crate::words::{length_in_words, step_in_words, stop_of};
 
-/// Ratio of the variances of two stations from which on U is wrong by much.
+/// Ratio of the variances of two stations or targets from which on U is wrong by much.
 const TWICE: f64 = 2.0;
 
 /// Standard uncertainties by which a result may be wrong unnoticed before a notice says so.
@@ -172,11 +174,7 @@ impl LengthsAdjustment<'_> {
             return None;
         }
         let slips = self.screened.slips()?;
-        let name = |slip: &Slip| {
-            let (body, place) = slip.place;
-            let targets = self.targets_of(body, &self.screened.solution.shapes_mm[body]);
-            self.campaign.targets[targets[place]].name.as_str()
-        };
+        let name = |slip: &Slip| self.target(slip.place);
         let station = |j: usize| &self.campaign.stations[j].name;
         let recurs = self.alike.is_some() && self.slow.is_none();
         if recurs || slow(&self.screened.network, &slips.left, &self.runs()).is_some() {
@@ -245,17 +243,21 @@ impl LengthsAdjustment<'_> {
         let uneven = uneven_lengths(&self.screened.network, &self.screened.solution);
         let plainly = uneven.iter().filter(|own| own.ratio > TWICE);
         let said = plainly.map(|own| {
-            let stations = own.stations.iter();
-            let stations = stations.map(|&j| self.campaign.stations[j].name.as_str());
-            format!(
-                "station {}: {} lengths scatter {:.1} times as much as the others, but all have the same weight: U is too small for what \
-                 depends on them; see whether the tripod stood firmly, and measure them again",
-                stations.collect::<Vec<_>>().join(", "),
-                if own.are_whole { "its" } else { "many" },
+            let how = format!(
+                "scatter {:.1} times as much as the others, but all have the same weight: U is too small for what \
+                 depends on them",
                 own.ratio.sqrt()
-            )
+            );
+            let network = &self.screened.network;
+            uneven_in_words(&own.whose, &how, self.campaign, (network, &self.groups))
         });
         said.collect()
+    }
+
+    /// The name of the target at a place of a body.
+    fn target(&self, place: (usize, usize)) -> &str {
+        let target = target_at(&self.screened.network, &self.groups, place);
+        target.map_or("", |target| self.campaign.targets[target].name.as_str())
     }
 
     fn noise_report(&self) -> NoiseReport {

@@ -1,0 +1,32 @@
+//! Lengths that scatter more than the others, in words.
+
+use trueaxis_campaign::Campaign;
+use trueaxis_multilateration::Network;
+use trueaxis_screening::Whose;
+
+use crate::lengths::network::{Group, target_at};
+
+/// A notice about them, with what to look at: `target K: its lengths …: see whether …`.
+pub fn uneven_in_words(
+    whose: &Whose,
+    how: &str,
+    campaign: &Campaign,
+    (network, groups): (&Network, &[Group]),
+) -> String {
+    let names = |stations: &[usize]| {
+        let names = stations.iter().map(|&j| campaign.stations[j].name.as_str());
+        names.collect::<Vec<_>>().join(", ")
+    };
+    let of_station = "see whether the tripod stood firmly and what passed through the beam";
+    let of_target = "see whether its reflector is clean and whole and sits firmly in its nest";
+    let (which, advice) = match whose {
+        Whose::Station(station) => (format!("station {}: its", names(&[*station])), of_station),
+        Whose::Part(stations) => (format!("station {}: many", names(stations)), of_station),
+        Whose::Target(place) => {
+            let target = target_at(network, groups, *place);
+            let name = target.map_or("", |target| campaign.targets[target].name.as_str());
+            (format!("target {name}: its"), of_target)
+        }
+    };
+    format!("{which} lengths {how}; {advice}")
+}
