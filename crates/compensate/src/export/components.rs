@@ -106,28 +106,38 @@ impl Components {
 
     /// The convention, for the notes.
     pub(crate) fn notes(&self, request: &Request<'_>) -> Vec<String> {
-        let names = |branch| {
+        let [tool, workpiece] = [Branch::Tool, Branch::Workpiece].map(|branch| {
             let axes = self.machine.branch(branch).iter();
-            let axes = axes.map(|&axis| request.name(axis));
-            match axes.collect::<Vec<_>>().as_slice() {
-                [] => "none".to_owned(),
-                axes => axes.join(" "),
-            }
+            axes.map(|&axis| request.name(axis)).collect::<Vec<_>>()
+        });
+        let listed = |names: &[&str]| match names {
+            [] => "none".to_owned(),
+            names => names.join(" "),
         };
-        vec![
+        let from_the_workpiece = workpiece.iter().rev().chain(&tool).copied();
+        let mut notes = vec![
             "mm and rad, arguments of rotary axes in degrees; ISO 230-1, actual minus nominal, right-hand rule; linear axes at \
              the origin of the reference frame, rotary ones at the point of the nominal axis that the machine gives; mean of both sides of approach"
                 .to_owned(),
             format!(
-                "from the bed: tool {}; workpiece {}",
-                names(Branch::Tool),
-                names(Branch::Workpiece)
+                "from the bed: tool {}; workpiece {}: chain {}, workpiece_axes {}",
+                listed(&tool),
+                listed(&workpiece),
+                from_the_workpiece.collect::<String>(),
+                workpiece.len()
             ),
             "the sign that the control expects is not documented in public: run one line with a laser after activation; if its error \
              doubles, negate"
                 .to_owned(),
-            request.origin(),
-        ]
+        ];
+        let mut axes = self.machine.axes().iter();
+        if axes.any(|axis| axis.kind() == AxisKind::Rotary) {
+            let turns = "alternative_model 1: a rotary axis is meant to turn about where it is, and the control's own model turns it about \
+                         where it should be";
+            notes.push(turns.to_owned());
+        }
+        notes.push(request.origin());
+        notes
     }
 }
 

@@ -3,7 +3,7 @@
 //! A section for each error: `[C0Y]` with `VALUE`, or `[EXX]` with `Gridpoints = {` lines of argument and value `}`;
 //! comments after `//`. Values in mm and rad, arguments in mm and degrees.
 //!
-//! Source: "Etalon Exchange Format" in Beckhoff's TF5280 alone, so the writer is experimental.
+//! Source: "Etalon Exchange Format" in Beckhoff's TF5280 alone (the variant "Vendor"), so the writer is experimental.
 
 pub(crate) mod read;
 
@@ -32,7 +32,11 @@ const DECIMALS: usize = 12;
 fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let components = Components::new(request)?;
     let axes = &components.axes;
-    let notes = components.notes(request);
+    let [x, y, z] = request.at.coords.data.0[0].map(|x| round(x, 6));
+    let mut notes = components.notes(request);
+    notes.push(format!(
+        "the zero position of the tool is not in this format: give the control P0X P0Y P0Z = {x} {y} {z} beside it"
+    ));
     let mut text = format!("// {EXPERIMENTAL}\n");
     // Writing to a String cannot fail.
     for note in &notes {

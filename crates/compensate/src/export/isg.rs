@@ -2,10 +2,10 @@
 //!
 //! Blocks between `#`, each with a header of names: an argument and the errors that depend on it, or location errors
 //! alone; comments after `//`. Values in mm and rad, arguments in mm and degrees. The control compensates the position of the
-//! tool point; here between points linearly.
+//! tool point, which is at `P0X P0Y P0Z` with all axes at 0 and a tool of length 0; between points linearly (`GRID`).
 //!
-//! Sources: "ISG CSV format", "Units of measure", "List of parameters supported" in the documentation of ISG and of
-//! Beckhoff (one text); the sign is not in it, so the writer is experimental.
+//! Sources: "ISG CSV format", "Units of measure", "List of parameters supported", "Tool length", "Alternative model",
+//! "Workpiece axes" in the documentation of ISG and of Beckhoff (one text); the sign is not in it, so the writer is experimental.
 
 pub(crate) mod read;
 
@@ -39,36 +39,46 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "// {note}");
     }
-    let number = |value: f64| round(value, DECIMALS).to_string();
-    let mut blocks = Vec::new();
+    let numbers = |values: &[f64]| {
+        let values = values.iter().map(|&x| round(x, DECIMALS).to_string());
+        values.collect::<Vec<_>>().join(" ")
+    };
+    let constants =
+        |names: &[&str], values: &[f64]| format!("{}\n{}\n", names.join(" "), numbers(values));
     let axes = &components.axes;
-    let locations: Vec<_> = axes.iter().flat_map(|axis| &axis.locations).collect();
-    let mut records = 0;
-    if !locations.is_empty() {
-        let names: Vec<&str> = locations.iter().map(|(name, _)| name.as_str()).collect();
-        let values: Vec<String> = locations.iter().map(|(_, value)| number(*value)).collect();
-        blocks.push(format!("{}\n{}\n", names.join(" "), values.join(" ")));
-        records += 1;
+    let mut blocks = vec![constants(
+        &["P0X", "P0Y", "P0Z"],
+        request.at.coords.as_slice(),
+    )];
+    let locations = axes.iter().flat_map(|axis| &axis.locations);
+    let (names, values): (Vec<&str>, Vec<f64>) = locations.map(|(n, v)| (n.as_str(), v)).unzip();
+    if !names.is_empty() {
+        blocks.push(constants(&names, &values));
     }
     for axis in axes {
         let geometry = &request.machine.machine().axes()[axis.axis];
         let name = geometry.name();
         if geometry.kind() == AxisKind::Rotary {
-            let centre: [f64; 3] = geometry.point_mm().coords.into();
-            let [x, y, z] = centre.map(number);
-            blocks.push(format!("PX{name} PY{name} PZ{name}\n{x} {y} {z}\n"));
-            records += 1;
+            let names = ["X", "Y", "Z"].map(|along| format!("P{along}{name}"));
+            let centre = geometry.point_mm().coords;
+            blocks.push(constants(
+                &names.each_ref().map(String::as_str),
+                centre.as_slice(),
+            ));
         }
         let names = Component::ALL.map(|component| component.name(name));
         let mut block = format!("{name} {}\n", names.join(" "));
         for (&position, error) in axis.positions.iter().zip(&axis.errors) {
-            let values: Vec<String> = error.to_vector().iter().map(|&x| number(x)).collect();
             let argument = request.in_file(axis.axis, position);
-            let _ = writeln!(block, "{argument} {}", values.join(" "));
-            records += 1;
+            let _ = writeln!(
+                block,
+                "{argument} {}",
+                numbers(error.to_vector().as_slice())
+            );
         }
         blocks.push(block);
     }
+    let records: usize = blocks.iter().map(|block| block.lines().count() - 1).sum();
     text.push_str(&blocks.join("#\n"));
     notes.push(format!("max_records {records} or more"));
     Ok(Tables {

@@ -7,7 +7,9 @@
 //! AC = a √(2 + 2 cos A)     BD = a √(2 - 2 cos A)     cos A = sin(atan f)
 //! ```
 //!
-//! Sources: `klippy/extras/skew_correction.py`, and "Skew correction" in Klipper's documentation.
+//! A saved profile does nothing until it is loaded; comments begin with `;`.
+//!
+//! Sources: `klippy/extras/skew_correction.py`, `klippy/gcode.py`, and "Skew correction" in Klipper's documentation.
 
 use crate::Error;
 use crate::export::sides::Sides;
@@ -36,13 +38,16 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     });
     let [xy, xz, yz] = lengths;
     let text = format!(
-        "# {}\nSET_SKEW XY={xy} XZ={xz} YZ={yz}\nSKEW_PROFILE SAVE=trueaxis\n",
+        "; {}\nSET_SKEW XY={xy} XZ={xz} YZ={yz}\nSKEW_PROFILE SAVE=trueaxis\n",
         request.origin()
     );
     Ok(Tables {
         files: vec![ExportedFile::new("skew.cfg", text)],
         notes: vec![
-            "squareness alone, as AC, BD, AD of a square of 100 mm; needs [skew_correction]; SAVE_CONFIG keeps it".to_owned(),
+            "squareness alone, as AC, BD, AD of a square of 100 mm: commands for the console; needs [skew_correction]".to_owned(),
+            "SAVE_CONFIG keeps the profile, but after each start of the firmware nothing is corrected until, after homing, \
+             SKEW_PROFILE LOAD=trueaxis"
+                .to_owned(),
             request.origin(),
         ],
         rule: Box::new(move |commanded| Ok(skew.added(factors, commanded))),

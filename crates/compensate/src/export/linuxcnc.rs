@@ -1,8 +1,8 @@
 //! `linuxcnc`: a compensation file for each axis, and the matrix of `matrixkins`.
 //!
 //! `COMP_FILE` with `COMP_FILE_TYPE = 0`: lines `nominal forward reverse`, the position commanded and the actual ones
-//! reached in positive and in negative direction, rising; the control adds `nominal - actual` of the side, linear between
-//! the lines. Its reader ends in silence at the first line that is not three numbers, so there are neither header nor
+//! reached in positive and in negative direction, rising, in the units of the machine (here mm and degrees); the control adds
+//! `nominal - actual` of the side, linear between the lines, the first and the last value beyond them. Its reader ends in silence at the first line that is not three numbers, so there are neither header nor
 //! comments, and it takes 256 lines. It replaces `BACKLASH`.
 //!
 //! `matrixkins` (three linear axes X, Y, Z): `joint = C axis`; here ones on the diagonal, because the files hold the
@@ -11,8 +11,8 @@
 //! Files that were active while the machine was measured ([`Request::onto`]) are contained in the new ones: at the points of
 //! both, the deviations of both; the product of both matrices, the old one without the cells between branches.
 //!
-//! Sources: `usrmotLoadComp` in `src/emc/motion/usrmotintf.cc`, `src/hal/components/matrixkins.comp`, and the chapter
-//! "INI Configuration" of the manual.
+//! Sources: `usrmotLoadComp` in `src/emc/motion/usrmotintf.cc`, `command.c` and `control.c` beside it,
+//! `src/hal/components/matrixkins.comp`, and the chapter "INI Configuration" of the manual.
 
 mod matrix;
 
@@ -115,7 +115,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         files.push(ExportedFile::new(matrix::FILE, text));
         notes.push(format!(
             "{}: [KINS] KINEMATICS = matrixkins, then source this file; if a matrix was active while the machine was measured, give \
-             its file with --onto",
+             its file with --onto; all files are in mm and degrees, as [TRAJ] LINEAR_UNITS = mm",
             matrix::FILE
         ));
     }

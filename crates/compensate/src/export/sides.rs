@@ -51,7 +51,7 @@ impl Sides {
         (!lost.is_empty()).then(|| {
             format!(
                 "the tables hold the mean of both sides of approach: lost motion stays ({}), and the figures above are \
-                 without it; give it to the control as its backlash",
+                 without it; add it to the backlash of the control",
                 lost.join(", ")
             )
         })

@@ -14,8 +14,9 @@
 //! are zero along the lines that are measured. Other tables stay, products with both of their tables.
 //!
 //! Sources: "Function Manual, Extended Functions, K3: Compensations" (840D sl, 828D; 03/2013, pages 245, 248, 249, 252), "Function
-//! Manual" (808D; 802D sl, 11/2012); the sign of `$AN_CEC` is in none of the pages that were found, so these tables are
-//! experimental: `$SN_CEC_TABLE_WEIGHT` turns them.
+//! Manual" (808D, 01/2017, page 106; 802D sl, 11/2012). The sign of `$AN_CEC` is in none of the pages that were found, and what
+//! points to it contradicts itself (an "additional setpoint", page 250; a public program writes measured minus commanded), so
+//! these tables are experimental: `$SN_CEC_TABLE_WEIGHT` turns them.
 
 mod levers;
 mod read;
@@ -56,6 +57,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         "the sign of $AN_CEC is not in the pages that were found: run one line after activation; \
          $SN_CEC_TABLE_WEIGHT = -1 turns a table"
             .to_owned(),
+        "mm and degrees: load them into a control that is set to metric; $AA_ENC_COMP[0, ...] is for measuring system 1".to_owned(),
     ];
     let mut lines = Vec::new();
     let mut sag = Sag::default();
@@ -194,7 +196,10 @@ fn lost_motion(request: &Request<'_>, line: &Line) -> Option<String> {
     own.then(|| {
         let (name, unit) = (request.name(line.axis), request.unit(line.axis));
         match line.known_lost_motion(request) {
-            Some(lost) => format!("{name}: $MA_BACKLASH = {} {unit}", round(lost, DECIMALS)),
+            Some(lost) => format!(
+                "{name}: $MA_BACKLASH: {} {unit} more than while the machine was measured",
+                round(lost, DECIMALS)
+            ),
             None => format!("{name}: lost motion is less than its U: leave $MA_BACKLASH as it is"),
         }
     })

@@ -30,7 +30,11 @@ pub(crate) fn control(
     match format {
         Format::Grid => grid(&text("grid.csv").unwrap(), machine),
         Format::LinuxCnc => linuxcnc(export, machine),
-        Format::Isg => with_errors(isg(&text("volcomp.csv").unwrap(), machine), machine, tool),
+        Format::Isg => {
+            let errors = isg(&text("volcomp.csv").unwrap(), machine);
+            let tool = ["P0X", "P0Y", "P0Z"].map(|name| errors.locations[name]);
+            with_errors(errors, machine, tool.into())
+        }
         Format::Etalon => with_errors(etalon(&text("etalon.txt").unwrap(), machine), machine, tool),
         Format::Sinumerik => sinumerik(export, machine, Products::Alone),
         Format::Heidenhain => heidenhain(export, machine, TableSign::Error),
@@ -255,12 +259,21 @@ fn klipper(text: &str) -> Control {
     skew(["XY=", "XZ=", "YZ="].map(factor))
 }
 
+/// The control without `alternative_model 1`: a rotary axis turns about where it should be, and its location error acts as its
+/// component errors do.
+pub(crate) fn isg_by_default(text: &str, machine: &Machine, tool: Point3<f64>) -> Control {
+    let mut errors = isg(text, machine);
+    errors.turns_about_nominal = true;
+    with_errors(errors, machine, tool)
+}
+
 /// The errors that a file holds.
 pub(crate) struct Errors {
     /// For each axis and component points, mm or rad.
     curves: BTreeMap<String, Vec<(f64, f64)>>,
     locations: BTreeMap<String, f64>,
     machine: Machine,
+    turns_about_nominal: bool,
 }
 
 /// Columns by name; blocks between `#`.
@@ -269,6 +282,7 @@ pub(crate) fn isg(text: &str, machine: &Machine) -> Errors {
         curves: BTreeMap::new(),
         locations: BTreeMap::new(),
         machine: machine.clone(),
+        turns_about_nominal: false,
     };
     let lines = text.lines().filter(|line| !line.starts_with("//"));
     let lines: Vec<&str> = lines.collect();
@@ -300,6 +314,7 @@ pub(crate) fn etalon(text: &str, machine: &Machine) -> Errors {
         curves: BTreeMap::new(),
         locations: BTreeMap::new(),
         machine: machine.clone(),
+        turns_about_nominal: false,
     };
     let mut name = String::new();
     for line in text
@@ -324,8 +339,8 @@ pub(crate) fn etalon(text: &str, machine: &Machine) -> Errors {
     errors
 }
 
-impl GeometricErrors for Errors {
-    fn location(&self, axis: usize) -> LocationError {
+impl Errors {
+    fn in_file(&self, axis: usize) -> LocationError {
         let mut location = LocationError::default();
         let name = self.machine.axes()[axis].name();
         for i in 0..3 {
@@ -335,6 +350,19 @@ impl GeometricErrors for Errors {
             }
         }
         location
+    }
+
+    fn is_part_of_the_motion(&self, axis: usize) -> bool {
+        self.turns_about_nominal && is_rotary(&self.machine, axis)
+    }
+}
+
+impl GeometricErrors for Errors {
+    fn location(&self, axis: usize) -> LocationError {
+        match self.is_part_of_the_motion(axis) {
+            true => LocationError::default(),
+            false => self.in_file(axis),
+        }
     }
 
     fn motion(&self, axis: usize, position: f64) -> MotionError {
@@ -347,7 +375,18 @@ impl GeometricErrors for Errors {
                 linear(curve, in_file(&self.machine, axis, position))
             })
         };
-        MotionError::from_vector(&Vector6::from_fn(|c, _| of(c)))
+        let motion = MotionError::from_vector(&Vector6::from_fn(|c, _| of(c)));
+        if !self.is_part_of_the_motion(axis) {
+            return motion;
+        }
+        let LocationError {
+            offset_mm,
+            tilt_rad,
+        } = self.in_file(axis);
+        MotionError::new(
+            motion.translation_mm + offset_mm,
+            motion.rotation_rad + tilt_rad,
+        )
     }
 }
 

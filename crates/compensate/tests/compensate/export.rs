@@ -1,12 +1,12 @@
 //! Tables, read back by models of the controls: the error of the machine after compensation is what was announced.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3x6, Matrix6, Point3, Vector3, Vector6};
 use serde_json::{Value, json};
 use trueaxis_compensate::{Error, Export, ExportedFile, Format, Request, TableSign};
 use trueaxis_kinematics::{GeometricErrors, Ideal, MICROMETRE};
 use trueaxis_predict::CalibratedMachine;
 
-use crate::controllers::{Control, control, heidenhain};
+use crate::controllers::{Control, control, heidenhain, isg_by_default};
 use crate::{
     FIVE_AXES, TABLE, THREE_AXES, calibrated, export, request, request_of, scenario, tool,
 };
@@ -103,6 +103,41 @@ fn controls_leave_what_was_announced() {
                 assert!(fine.announcement.after.max_mm < 0.1 * after);
             }
         }
+    }
+}
+
+/// Rotary axes want `alternative_model 1`: by the control's own model A, which carries C, stays uncorrected at C. What a workpiece
+/// that lies a little otherwise on the table takes away does not count.
+#[test]
+fn rotary_axes_turn_about_where_they_are() {
+    let machine = calibrated(&scenario(FIVE_AXES), false);
+    let (export, control) = made(Format::Isg, &machine);
+    let by_default = isg_by_default(&export.files[0].text, machine.machine(), tool());
+    let places = machine.places(5, tool());
+    let left = [control, by_default].map(|control| {
+        let (mut normal, mut right, mut all) = (Matrix6::zeros(), Vector6::zeros(), Vec::new());
+        for q in (0..places.count()).map(|k| places.at(k)) {
+            let at = machine.machine().tool_in_workpiece(&Ideal, &q) * tool();
+            let off = error(&machine, &machine, &control, &q);
+            let mut rigid = Matrix3x6::identity();
+            let turned = -at.coords.cross_matrix();
+            rigid.fixed_view_mut::<3, 3>(0, 3).copy_from(&turned);
+            normal += rigid.transpose() * rigid;
+            right += rigid.transpose() * off;
+            all.push((rigid, off));
+        }
+        let fit = normal.lu().solve(&right).unwrap();
+        let left = all.iter().map(|(rigid, off)| (off - rigid * fit).norm());
+        left.fold(0.0, f64::max) / MICROMETRE
+    });
+    println!(
+        "left with alternative_model 1: {:.2} µm, without: {:.2} µm",
+        left[0], left[1]
+    );
+    assert!(left[1] > 5.0 * left[0], "{left:?}");
+    for (text, wants) in [(FIVE_AXES, true), (THREE_AXES, false)] {
+        let notes = export_notes(&calibrated(&scenario(text), false), Format::Isg);
+        assert_eq!(notes.contains("alternative_model 1"), wants, "{notes}");
     }
 }
 
@@ -270,6 +305,12 @@ fn lost_motion_has_columns_of_its_own() {
         );
     }
     assert!(notes.contains("lost motion is less than its U"), "{notes}");
+    // As the control counts: positive where the encoder leads the machine, the whole of it, beside what is set already.
+    let of_y = notes.split("Y: $MA_BACKLASH: ").nth(1).unwrap();
+    let (value, rest) = of_y.split_once(' ').unwrap();
+    assert!(rest.starts_with("mm more than while"), "{rest}");
+    let value = value.parse::<f64>().unwrap() / MICROMETRE;
+    assert!((value - declared).abs() < 1.2, "{value} {declared}");
     let u = machine.u_of_lost_motion(1, &machine.steps(1), tool()) / MICROMETRE;
     assert!((0.1..0.5).contains(&u), "{u}");
 }

@@ -19,7 +19,7 @@ const DECLARED: DeclaredUncertainty = DeclaredUncertainty {
     arcsec: None,
 };
 
-fn imported(
+pub(crate) fn imported(
     text: &str,
     machine: &Machine,
     uncertainty: Option<DeclaredUncertainty>,
@@ -37,7 +37,7 @@ fn imported(
 }
 
 /// Through the files, as `predict` reads them.
-fn read(imported: &Imported) -> CalibratedMachine {
+pub(crate) fn read(imported: &Imported) -> CalibratedMachine {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("calibration.json");
     std::fs::write(&path, imported.calibration.to_string()).unwrap();

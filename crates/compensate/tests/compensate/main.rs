@@ -5,6 +5,7 @@
     reason = "the figures of a test are worth reading"
 )]
 
+mod by_hand;
 mod controllers;
 mod export;
 mod import;
