@@ -22,7 +22,7 @@
 //!
 //! The p-value counts everything that was tested: each effect gets the same share of the 1 %, shared by all its axes,
 //! components and shapes ([`family`]). Effects join one at a time, each with the earlier ones in the model, and are
-//! judged again at the end with all others in it.
+//! judged again with all others in it ([`crate::engine::Forward`]).
 //!
 //! C is singular in the directions that the gauge fixes. As B is free these directions carry no information, and the
 //! rough rest, which is never quite zero, makes the sum regular: no limit of rank is needed.

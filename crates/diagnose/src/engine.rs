@@ -12,6 +12,21 @@
 //! | refit | nonlinear adjustment | linear, variances anew | linear | linear |
 //! | instants | between readings | between readings | a hundred of a list, then those beside the best | none |
 //!
+//! Causes are sought by one loop, [`mod@forward`]: one after the other, each judged beside the others, until nothing is
+//! left that is a cause of its own. The calibrated error curves go through it, too, each with the rest of the curve
+//! averaged over. What a kind of data decides by itself, and why:
+//!
+//! | | lengths, points ([`search`]) | readings, runs ([`linear`]) | error curves |
+//! | --- | --- | --- | --- |
+//! | most causes | 6, 4 | 3; 5 where they must leave nothing, as on a circle that all errors of two axes shape | 4 |
+//! | a better name may replace a cause | yes | yes, but where causes settle that were found otherwise: beside what wanders, each is asked for by its name | no: all curves of all sizes of the rest would be judged again, for one effect each |
+//! | shapes of several causes | one at a time | together, since those of few readings hide each other | by Gauss-Newton, with the sizes |
+//! | causes that hide each other | two names exchanged at once, at one station | two join at once, where few readings are left for the noise | none |
+//! | nested forms | none in the catalogue | the simplest that is enough | none |
+//! | causes in time | any, of different culprits | one, since readings have no culprits; two time constants, or a drift and a jump that leave nothing | none |
+//! | only the shape of others | less than a twentieth | the same, unless they must leave nothing | never: an effect stands out from the rest of its curve |
+//! | cancel each other | effects after the fit | the same | not in the catalogue |
+//!
 //! The common parts are here:
 //!
 //! - [`hypotheses`]: every effect of a level on every subject as whitened columns, for a list of shapes or all
@@ -19,9 +34,8 @@
 //! - [`ranking`]: all hypotheses against what a model leaves, by the numbers of [`trueaxis_selection`]; best and
 //!   rivals.
 //! - [`between`]: a shape between two of a list.
-//! - [`search`]: lengths and points. Causes join one after the other; each is judged beside the others, gives way to
-//!   a better one, or leaves.
-//! - [`linear`]: the same for verification and runs, where nothing is adjusted anew.
+//! - [`mod@forward`]: the search for causes; [`search`]: where everything is adjusted anew with each; [`linear`]: where
+//!   nothing is, in the readings of a verification, of all together, and in runs.
 //! - [`smooth`]: how much a process of unknown form explains; [`mod@disturbance`]: disturbances of lengths and points
 //!   ([`mod@wandering`]), where they have more evidence than causes or are left beside them ([`competition`]);
 //!   [`mod@wandered`] reports them.
@@ -39,6 +53,7 @@ pub(crate) mod coordinate;
 mod culprit;
 pub(crate) mod disturbance;
 mod estimated;
+mod forward;
 mod held_out;
 mod hypotheses;
 pub(crate) mod linear;
@@ -61,6 +76,7 @@ pub(crate) use competition::{
 };
 pub(crate) use culprit::{Culprit, Culprits};
 pub(crate) use estimated::{ByShape, cause, derivative, with_uncertainties};
+pub(crate) use forward::{FURTHER_LEVEL, Forward, SHAPE_ERROR, Search, is_another, select};
 pub(crate) use held_out::{FOLDS, HeldOut, Sums, resampled_ratios, sought_again};
 pub(crate) use hypotheses::{
     busy_s, duration_s, in_equal_ratios, is_tested, of_catalogue, scan, scans,
@@ -72,8 +88,8 @@ pub(crate) use omnibus::{
 };
 pub(crate) use opposed::{are_opposed, fitted_effects};
 pub(crate) use places::{places, side};
-pub(crate) use ranking::{Ranking, plausible};
-pub(crate) use search::{FURTHER_LEVEL, SHAPE_ERROR, Search, find_causes, settle};
+pub(crate) use ranking::{Ranking, plausible, rivals};
+pub(crate) use search::{find_causes, settle};
 pub(crate) use smooth::{Posterior, SMOOTH_LEVEL, Smooth, beside_one_of, correlation_lengths};
 pub(crate) use unseen::{in_words, length_scale, unseen, untested, without_trace};
 pub(crate) use wandered::wandered;

@@ -9,7 +9,6 @@
 mod contradicting;
 mod fitted;
 mod hypotheses;
-mod search;
 
 use trueaxis_calibrate::{Calibration, Replay, RunComparison, calibrate_for_replay};
 use trueaxis_campaign::Campaign;
@@ -18,11 +17,10 @@ use trueaxis_leastsquares::chi_squared_upper_tail;
 use trueaxis_poses::EffectsOnLengths;
 use trueaxis_selection::{Projection, f_test};
 
-use crate::engine::linear::{Judged, Listed};
+use crate::engine::linear::{Among, Judged, Listed};
 pub(crate) use crate::runs::contradicting::contradicting_runs;
 use crate::runs::fitted::fitted;
 use crate::runs::hypotheses::{candidates, not_observable};
-use crate::runs::search::{rivals, search};
 use crate::said::{Entry, Said};
 use crate::shares::Part;
 use crate::{Cause, Error, LevelReport, Misfit, OmnibusTest, Settings, Shares, Unexplained};
@@ -118,7 +116,7 @@ fn compared(
     let base = &listed.base;
     let test = |model: &Projection| test(model, noise_dof);
     let is_left = |model: &Projection| test(model).p_value < MISFIT_LEVEL;
-    let mut found = search(&listed, CAUSE_LEVEL, is_left);
+    let mut found = Among::all(&listed, CAUSE_LEVEL).after(Vec::new());
     if !may_be_named {
         found.clear();
     }
@@ -245,7 +243,7 @@ fn cause(
     let squares: f64 = effects_mm.iter().map(|e| e * e).sum();
     Cause {
         explained_rms_um: 1e3 * (squares / effects_mm.len().max(1) as f64).sqrt(),
-        rivals: rivals(listed, judged),
+        rivals: listed.rivals(judged),
         ..cause
     }
 }

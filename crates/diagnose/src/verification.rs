@@ -7,7 +7,7 @@
 //! Repeated readings are removed ([`mod@given_once`]) and sorted ([`order`]). Each verification of the campaign is
 //! first judged by itself ([`mod@series`]): the prediction ([`comparison`]) with its errors ([`prediction_error`]),
 //! what the measurement leaves open ([`base`]), the noise by the repeats ([`noise_floor`]) and whether that of
-//! neighbours is alike ([`mod@autocorrelation`]), causes one at a time ([`linear::search`](crate::engine::linear)), their gain on unused readings
+//! neighbours is alike ([`mod@autocorrelation`]), causes one at a time ([`crate::engine::linear`]), their gain on unused readings
 //! ([`held_out`]), disturbances beside or instead of them ([`wandering`], [`competition`], [`mod@described`]), rivals
 //! ([`instead`]), and what is left ([`omnibus`]). Then all together ([`together`]): a cause in the machine has one
 //! size in all lines. The paper's Figs. 10, 12 and 16 are this comparison.

@@ -30,7 +30,8 @@ impl SetSearch {
         let mut left = thinned.values.clone();
         for i in 0..self.found.len() {
             let (candidate, shape) = (&self.found[i].candidate, self.found[i].estimate.shape);
-            let backgrounds = self.backgrounds(Some(i));
+            let others = [&self.found[..i], &self.found[i + 1..]].concat();
+            let backgrounds = self.backgrounds(&others);
             let own = |shape: f64| {
                 let own = estimate(&self.set, &backgrounds, candidate, shape);
                 let without = without(&self.set, &thinned, candidate, &own, &left);

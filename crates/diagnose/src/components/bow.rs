@@ -112,7 +112,7 @@ impl Pair {
 
 impl OfCurve {
     fn new(search: &SetSearch, candidate: &Candidate) -> Option<Self> {
-        let backgrounds = search.backgrounds(None);
+        let backgrounds = search.backgrounds(&search.found);
         let judgement = Judgement::new(&search.set, &backgrounds, candidate);
         Some(Self {
             score: judgement.score(&backgrounds, candidate, 0)?,

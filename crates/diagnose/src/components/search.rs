@@ -1,10 +1,11 @@
-//! The search for effects: one at a time with the earlier ones in the model; at the end each with all others.
+//! The search for effects in the curves of a machine ([`Forward`]).
 
 use rayon::prelude::*;
 use trueaxis_effects::Scene;
 use trueaxis_kinematics::AxisKind;
 use trueaxis_selection::{Fit, Null, Scan, Score, by_evidence, cosine, is_rival};
 
+use crate::Error;
 use crate::cause::{Cause, Rival};
 use crate::components::background::{Background, Smooth, backgrounds, smooth_rests};
 use crate::components::bow::{BOW, OfCurve, Pair, cause_of_bow, variance_factor};
@@ -15,6 +16,7 @@ use crate::components::family::{Family, LEVEL};
 use crate::components::judgement::{Judgement, scan};
 use crate::components::report;
 use crate::components::smooth_prior::{SmoothLikelihood, SmoothPrior};
+use crate::engine::{Forward, is_another, rivals, select};
 
 /// The search over all curves of a machine.
 pub(crate) struct Search<'a> {
@@ -70,7 +72,11 @@ impl<'a> Search<'a> {
     pub(crate) fn causes(mut self) -> Vec<Cause> {
         self.share_size_of_rest();
         // Counts the tests before anything is judged.
-        let first: Vec<Judged> = self.sets.par_iter().map(SetSearch::judged).collect();
+        let first: Vec<Judged> = self
+            .sets
+            .par_iter()
+            .map(|own| own.judged(&own.candidates, &[]))
+            .collect();
         for (search, judged) in self.sets.iter().zip(&first) {
             search.count_tests(judged, &mut self.family);
         }
@@ -80,9 +86,14 @@ impl<'a> Search<'a> {
         }
         let family = &self.family;
         let each = self.sets.par_iter_mut().zip(first);
-        each.for_each(|(search, judged)| {
-            search.select(judged, family);
-            search.confirm(family);
+        each.for_each(|(search, first)| {
+            let curves = Curves {
+                search,
+                family,
+                first: &first,
+            };
+            let selected = select(&curves, Vec::new());
+            search.found = selected.map_or_else(|_| Vec::new(), |selected| selected.adjusted);
             search.tell_aliases_apart();
         });
         let pairs = pairs.into_iter().filter_map(|(straightness, angle)| {
@@ -137,7 +148,7 @@ impl<'a> Search<'a> {
             .sets
             .par_iter()
             .map(|search| {
-                let all = search.backgrounds(None);
+                let all = search.backgrounds(&[]);
                 (kind(search), SmoothLikelihood::new(&all))
             })
             .collect();
@@ -179,30 +190,18 @@ struct Judged {
 }
 
 impl SetSearch {
-    /// The curves for all sizes of the rest, with all effects found, except `without`, in the model.
-    pub(crate) fn backgrounds(&self, without: Option<usize>) -> Vec<Background> {
-        let model = self.model(without);
+    /// The curves for all sizes of the rest, with effects in the model.
+    pub(crate) fn backgrounds(&self, effects: &[Found]) -> Vec<Background> {
+        let columns = effects.iter().flat_map(|own| own.estimate.columns.clone());
+        let model: Vec<Vec<f64>> = self.set.base.iter().cloned().chain(columns).collect();
         backgrounds(&self.set, &self.smooth, &model, &self.prior)
     }
 
-    /// The base and all effects found, except `without`.
-    fn model(&self, without: Option<usize>) -> Vec<Vec<f64>> {
-        let mut base = self.set.base.clone();
-        for (i, found) in self.found.iter().enumerate() {
-            if Some(i) != without {
-                base.extend(found.estimate.columns.iter().cloned());
-            }
-        }
-        base
-    }
-
-    fn judged(&self) -> Judged {
-        let backgrounds = self.backgrounds(None);
-        let judgements = self.candidates.iter();
+    fn judged(&self, candidates: &[Candidate], effects: &[Found]) -> Judged {
+        let backgrounds = self.backgrounds(effects);
+        let judgement = |own| Judgement::new(&self.set, &backgrounds, own);
         Judged {
-            judgements: judgements
-                .map(|candidate| Judgement::new(&self.set, &backgrounds, candidate))
-                .collect(),
+            judgements: candidates.iter().map(judgement).collect(),
             backgrounds,
         }
     }
@@ -227,27 +226,15 @@ impl SetSearch {
         }
     }
 
-    /// Adds effects until no other stands out.
-    fn select(&mut self, mut judged: Judged, family: &Family) {
-        while self.found.len() < MOST_CAUSES {
-            let Some(found) = self.best(&judged, family) else {
-                return;
-            };
-            self.found.push(found);
-            judged = self.judged();
-        }
-    }
-
-    /// The effect with the most evidence among those that stand out.
-    fn best(&self, judged: &Judged, family: &Family) -> Option<Found> {
-        let numbered = self.candidates.iter().zip(&judged.judgements).enumerate();
-        let scores: Vec<Score> = numbered
-            .filter_map(|(k, (candidate, judgement))| {
-                judgement.score(&judged.backgrounds, candidate, k)
-            })
-            .collect();
+    /// The candidate with the most evidence among those that stand out.
+    fn best(&self, candidates: &[Candidate], judged: &Judged, family: &Family) -> Option<Found> {
+        let numbered = candidates.iter().zip(&judged.judgements).enumerate();
+        let scores = numbered.filter_map(|(k, (candidate, judgement))| {
+            judgement.score(&judged.backgrounds, candidate, k)
+        });
+        let scores: Vec<Score> = scores.collect();
         let p_value = |score: &Score| {
-            let effect = self.candidates[score.scan].hypothesis.effect.id;
+            let effect = candidates[score.scan].hypothesis.effect.id;
             family.p_value(effect, score.ln_p)
         };
         let standing_out = scores.iter().filter(|score| p_value(score) <= LEVEL);
@@ -255,7 +242,7 @@ impl SetSearch {
             score.evidence
         });
         let leader = *ranked.first()?;
-        let candidate = &self.candidates[leader.scan];
+        let candidate = &candidates[leader.scan];
         Some(Found {
             estimate: estimate(&self.set, &judged.backgrounds, candidate, leader.shape),
             candidate: candidate.clone(),
@@ -278,47 +265,88 @@ impl SetSearch {
             Fit::new(&background.projection, &whitened.collect::<Vec<_>>())
         };
         let own = fit(leader);
-        let others = scores.iter().filter(|score| score.scan != leader.scan);
-        others
-            .filter_map(|score| {
-                let other = fit(score);
-                let hypothesis = &self.candidates[score.scan].hypothesis;
-                is_rival(leader, score, cosine(&own, &other)).then(|| Rival::Effect {
-                    effect: hypothesis.resolved(other.estimates, score.shape),
-                    delta_bic: score.bic,
-                })
-            })
+        let is_alike = |score: &Score, other: &Fit| is_rival(leader, score, cosine(&own, other));
+        let rival = |(score, other): (&Score, Fit)| Rival::Effect {
+            effect: self.candidates[score.scan]
+                .hypothesis
+                .resolved(other.estimates, score.shape),
+            delta_bic: score.bic,
+        };
+        rivals(leader, scores.iter(), fit, is_alike)
+            .map(rival)
             .collect()
     }
 
-    /// Judges each effect with all others in the model: removes those that do not stand out, and updates the values
-    /// of the rest.
-    fn confirm(&mut self, family: &Family) {
-        if self.found.len() < 2 {
-            return;
+    /// An effect at its shape beside others; `None` if it does not stand out there.
+    fn beside(&self, others: &[Found], own: &Found, family: &Family) -> Option<Found> {
+        let at_its_shape = [Candidate {
+            shapes: vec![own.estimate.shape],
+            ..own.candidate.clone()
+        }];
+        let judged = self.judged(&at_its_shape, others);
+        let found = self.best(&at_its_shape, &judged, family)?;
+        Some(Found {
+            candidate: own.candidate.clone(),
+            rivals: own.rivals.clone(),
+            ..found
+        })
+    }
+}
+
+/// The search in one set of curves.
+struct Curves<'s> {
+    search: &'s SetSearch,
+    family: &'s Family,
+    /// All candidates without any effect in the model.
+    first: &'s Judged,
+}
+
+impl Forward for Curves<'_> {
+    type Cause = Found;
+    type Found = Found;
+    type Model = Vec<Found>;
+
+    fn most(&self) -> usize {
+        MOST_CAUSES
+    }
+
+    fn fit(&self, causes: Vec<Found>) -> Result<Vec<Found>, Error> {
+        Ok(causes)
+    }
+
+    fn causes(model: &Vec<Found>) -> &[Found] {
+        model
+    }
+
+    fn best(&self, model: &Vec<Found>, own: Option<&Found>) -> Option<Found> {
+        let Self { search, family, .. } = *self;
+        let all = &search.candidates;
+        match own {
+            Some(own) if model.is_empty() => Some(own.clone()),
+            Some(own) => search.beside(model, own, family),
+            None if model.is_empty() => search.best(all, self.first, family),
+            None => search.best(all, &search.judged(all, model), family),
         }
-        let mut i = 0;
-        while i < self.found.len() {
-            let backgrounds = self.backgrounds(Some(i));
-            let mut candidate = self.found[i].candidate.clone();
-            let shape = self.found[i].estimate.shape;
-            candidate.shapes = vec![shape];
-            let judgement = Judgement::new(&self.set, &backgrounds, &candidate);
-            let score = judgement.score(&backgrounds, &candidate, self.found[i].score.scan);
-            let id = candidate.hypothesis.effect.id;
-            let judged = score.map(|score| (score, family.p_value(id, score.ln_p)));
-            match judged.filter(|(_, p_value)| *p_value <= LEVEL) {
-                Some((score, p_value)) => {
-                    let estimate = estimate(&self.set, &backgrounds, &candidate, shape);
-                    let found = &mut self.found[i];
-                    (found.score, found.p_value, found.estimate) = (score, p_value, estimate);
-                    i += 1;
-                }
-                None => {
-                    self.found.remove(i);
-                }
-            }
-        }
+    }
+
+    fn cause(found: &Found) -> &Found {
+        found
+    }
+
+    fn statistic(found: &Found) -> f64 {
+        found.score.statistic
+    }
+
+    fn has_moved(before: &Found, now: &Found) -> bool {
+        is_another(
+            before.estimate.shape,
+            (now.estimate.shape, now.estimate.u_shape),
+        )
+    }
+
+    /// A small effect of a curve stands out from its rest, not from the other effects.
+    fn shape_error(&self) -> f64 {
+        0.0
     }
 }
 

@@ -7,12 +7,10 @@
 mod candidate;
 mod left_out;
 mod listed;
+mod rivals;
 mod search;
 
 pub(crate) use candidate::{Candidate, Finer};
 pub(crate) use left_out::LeftOut;
 pub(crate) use listed::{Beside, Chosen, Judged, Listed, without};
-pub(crate) use search::{
-    MOST_CAUSES, contains, drop_superfluous, ln_more, opposed, refine, search, search_from,
-    simplest,
-};
+pub(crate) use search::{Among, MOST_CAUSES, contains};

@@ -12,8 +12,9 @@ pub(crate) struct Ranking<'m, S> {
     pub(crate) scores: Vec<Score>,
 }
 
-/// Most rivals to be listed.
+/// Most rivals to be listed; each explains at least half of what the leader explains.
 const MOST_RIVALS: usize = 8;
+const HALF: f64 = 0.5;
 
 impl<'m> Ranking<'m, Vec<Box<dyn Scan>>> {
     /// Ranks hypotheses by what a model leaves.
@@ -78,21 +79,17 @@ impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
 
     /// The hypotheses that explain as much as the leader, whose fit is `fit`, with their BIC.
     pub(crate) fn rivals<D: Measured>(&self, leader: &Score, fit: &Fit) -> Vec<(Suspect, f64)> {
-        let mut rivals = Vec::new();
-        for score in &self.scores {
-            // A hypothesis that explains less than half is no rival.
-            if score.scan == leader.scan || score.statistic < 0.5 * leader.statistic {
-                continue;
-            }
-            let (suspect, other) = self.suspect(score);
-            let of_leader = (self.hypothesis(leader), leader);
-            let is_alike =
-                D::is_alike(of_leader, (&suspect.hypothesis, score), cosine(fit, &other));
-            if is_alike && rivals.len() < MOST_RIVALS {
-                rivals.push((suspect, score.bic));
-            }
-        }
-        rivals
+        let of_leader = (self.hypothesis(leader), leader);
+        let is_alike = |score: &Score, (suspect, other): &(Suspect, Fit)| {
+            D::is_alike(of_leader, (&suspect.hypothesis, score), cosine(fit, other))
+        };
+        let least = HALF * leader.statistic;
+        let scores = self.scores.iter().filter(|s| s.statistic >= least);
+        let rivals = rivals(leader, scores, |score| self.suspect(score), is_alike);
+        let named = rivals.take(MOST_RIVALS);
+        named
+            .map(|(score, (suspect, _))| (suspect, score.bic))
+            .collect()
     }
 
     /// The hypotheses that explain at least the share `part` of what the leader explains, in their order.
@@ -105,6 +102,18 @@ impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
         let near = (0..scans.len()).filter(near);
         near.map(|number| *scans[number].hypothesis()).collect()
     }
+}
+
+/// The other hypotheses of some, each `fitted`, that cannot be told from a leader.
+pub(crate) fn rivals<'s, F>(
+    leader: &'s Score,
+    scores: impl Iterator<Item = &'s Score>,
+    fitted: impl Fn(&Score) -> F,
+    is_alike: impl Fn(&Score, &F) -> bool,
+) -> impl Iterator<Item = (&'s Score, F)> {
+    let others = scores.filter(|score| score.scan != leader.scan);
+    let fitted = others.map(move |score| (score, fitted(score)));
+    fitted.filter(move |(score, fit)| is_alike(score, fit))
 }
 
 /// The plausible range of each parameter of a hypothesis.

@@ -1,38 +1,14 @@
-//! The search for causes, one after the other.
-//!
-//! 1. The hypothesis with the most evidence, among those that noise alone would not match at the level of the causes,
-//!    joins the causes.
-//! 2. All causes settle ([`settle`]): each is compared with every other hypothesis with the other causes in the
-//!    model, in the noise that is left; a better one replaces it, and one that is not needed leaves. The first cause
-//!    is often a compromise between two.
-//! 3. The search ends when nothing joins, or when the next cause would be the same problem under another name
-//!    ([`Culprits`]) or only the shape of an earlier one.
+//! The search for causes in data that are adjusted anew with each: lengths and points.
 
 use trueaxis_effects::Shape;
-use trueaxis_selection::{DECISIVE, EQUAL, Fit, Hypothesis, Null, Scan, combined};
+use trueaxis_selection::{
+    DECISIVE, EQUAL, Fit, Hypothesis, Null, Projection, Scan, Score, combined,
+};
 
 use crate::Error;
 use crate::engine::between::{golden_section, neighbours};
-use crate::engine::opposed::are_opposed;
-use crate::engine::{Culprits, Found, Measured, Ranking, Suspect};
-
-/// The causes, the model with them, and what a further cause that is not a separate one would explain.
-pub(crate) struct Search<M> {
-    pub(crate) found: Vec<Found>,
-    pub(crate) adjusted: M,
-    pub(crate) left: f64,
-}
-
-impl<M> Search<M> {
-    /// A model without causes.
-    pub(crate) fn without_causes(adjusted: M) -> Self {
-        Self {
-            found: Vec::new(),
-            adjusted,
-            left: 0.0,
-        }
-    }
-}
+use crate::engine::forward::{FURTHER_LEVEL, Forward, RESTS, Search, is_another, select};
+use crate::engine::{Culprits, Found, Measured, Ranking, Suspect, forward};
 
 /// A hypothesis that explains less than this share of what the leader explains is no rival in the same model,
 /// whatever the noise: rivals explain at least half.
@@ -46,149 +22,170 @@ pub(crate) fn find_causes<D: Measured>(
     first: &[Box<dyn Scan>],
     null: &Null,
 ) -> Result<Search<D::Model>, Error> {
-    let mut search = Search::without_causes(start);
-    while search.found.len() < D::MOST_CAUSES {
-        let mut suspects = D::suspects(&search.adjusted).to_vec();
-        let next = if suspects.is_empty() {
-            let ranking = Ranking::of(data, D::projection(&search.adjusted), first);
-            next(&ranking, null, D::CAUSE_LEVEL)
-        } else {
-            next(
-                &Ranking::new(data, &search.adjusted, all),
-                null,
-                D::CAUSE_LEVEL,
-            )
-        };
-        let Some((leader, comparable)) = next else {
-            break;
-        };
+    let projection = D::projection(&start).clone();
+    let ranking = Ranking::of(data, &projection, first);
+    let leader = ranking.leader(null, D::CAUSE_LEVEL, None);
+    let comparable = leader.map(|leader| ranking.comparable(leader, WORTH_COMPARING));
+    let Some((leader, comparable)) = leader.zip(comparable) else {
+        return Ok(Search::without_causes(start));
+    };
+    let search = Refitted {
+        data,
+        all,
+        null,
         // Beside earlier causes all hypotheses are compared again: those causes may have hidden some.
-        let candidates = if suspects.is_empty() {
-            &comparable
-        } else {
-            all
-        };
-        suspects.push(leader);
-        let (found, adjusted) = settle(data, suspects, candidates, null)?;
-        if found.len() <= search.found.len() {
-            break;
-        }
-        if let Some(left) = not_its_own(data, &adjusted, &found) {
-            search.left = left;
-            break;
-        }
-        (search.found, search.adjusted) = (found, adjusted);
-    }
-    Ok(search)
+        first: Some((found(&ranking, leader, null).0, comparable)),
+    };
+    let mut causes = select(&search, start)?;
+    with_parameters::<D>(&mut causes.found, &causes.adjusted);
+    Ok(causes)
 }
-
-/// The hypothesis with the most evidence among those that noise does not explain, and those to compare with it.
-fn next<S: AsRef<[Box<dyn Scan>]>>(
-    ranking: &Ranking<'_, S>,
-    null: &Null,
-    level: f64,
-) -> Option<(Suspect, Vec<Hypothesis>)> {
-    let leader = ranking.leader(null, level, None)?;
-    let comparable = ranking.comparable(leader, WORTH_COMPARING);
-    Some((ranking.suspect(leader).0, comparable))
-}
-
-/// A further cause that explains less than this share of what the others explain may be only their shape, which is
-/// never quite that of the catalogue; for the same reason it must be more certain.
-pub(crate) const SHAPE_ERROR: f64 = 0.05;
-pub(crate) const FURTHER_LEVEL: f64 = 0.001;
-
-/// What the weakest of several causes explains, if the last addition is not a separate cause.
-fn not_its_own<D: Measured>(data: &D, model: &D::Model, found: &[Found]) -> Option<f64> {
-    if found.len() < 2 {
-        return None;
-    }
-    let culprits: Vec<Culprits> = found.iter().map(|f| Culprits::of(data, f)).collect();
-    let is_stacked = (1..found.len()).any(|i| {
-        (0..i).any(|j| {
-            !found[i].suspect.is_second_time_constant(&found[j].suspect)
-                && culprits[i].overlap(&culprits[j])
-        })
-    });
-    let all: f64 = found.iter().map(|f| f.statistic).sum();
-    let weakest = found.iter().map(|f| f.statistic).fold(all, f64::min);
-    let is_shape = weakest < SHAPE_ERROR * (all - weakest);
-    let is_uncertain = found
-        .iter()
-        .any(|f| f.p_value > FURTHER_LEVEL || f.evidence < 0.0);
-    let is_none = is_stacked || is_shape || is_uncertain || opposed(data, model);
-    is_none.then_some(weakest)
-}
-
-/// Whether the causes of a model cancel each other.
-fn opposed<D: Measured>(data: &D, model: &D::Model) -> bool {
-    let columns = data.columns(model);
-    let effects = D::suspects(model).iter().map(|suspect| {
-        let own = columns(&suspect.hypothesis, suspect.shape);
-        combined(D::bare(model).rows(), &own, &suspect.parameters)
-    });
-    are_opposed(D::bare(model), &effects.collect::<Vec<_>>())
-}
-
-/// Most exchanges of causes for better ones.
-const MOST_EXCHANGES: usize = 6;
 
 /// Judges each cause against the candidates with the others in the model until nothing changes.
 pub(crate) fn settle<D: Measured>(
     data: &D,
-    mut suspects: Vec<Suspect>,
+    suspects: Vec<Suspect>,
     candidates: &[Hypothesis],
     null: &Null,
 ) -> Result<(Vec<Found>, D::Model), Error> {
-    let mut adjusted = data.refit(suspects.clone())?;
-    let mut exchanges = 0;
-    loop {
-        let mut found = Vec::new();
-        let mut changed = false;
-        for k in 0..suspects.len() {
-            let mut others = suspects.clone();
-            let own = others.remove(k);
-            // In the noise left without it: a large disturbance hides its own rivals.
-            let without = data.refit_near(&adjusted, others)?;
-            let Some(judged) = judged(data, &without, &own, candidates, null) else {
-                suspects.remove(k);
-                changed = true;
-                break;
-            };
-            let same = judged.suspect.hypothesis.is(&own.hypothesis);
-            let step = (judged.suspect.shape - own.shape).abs();
-            let moved = step > judged.suspect.u_shape.max(REFINED * own.shape.abs());
-            if (!same || moved) && exchanges < MOST_EXCHANGES {
-                exchanges += 1;
-                changed = true;
-            }
-            suspects[k] = judged.suspect.clone();
-            found.push(judged);
-        }
-        adjusted = data.refit(suspects.clone())?;
-        let others = data.exchanged(D::suspects(&adjusted));
-        if let Some(others) = others.filter(|_| !changed) {
-            // The number of parameters is the same, so the squares decide.
-            let other = data.refit_near(&adjusted, others)?;
-            let more = D::projection(&other).squares() - D::projection(&adjusted).squares();
-            if more < -EQUAL && exchanges < MOST_EXCHANGES {
-                exchanges += 1;
-                suspects = D::suspects(&other).to_vec();
-                adjusted = other;
-                continue;
-            }
-            if more < DECISIVE {
-                add_exchanged(&mut found, D::suspects(&other), more);
-            }
-        }
-        if !changed {
-            for (found, suspect) in found.iter_mut().zip(D::suspects(&adjusted)) {
-                found.suspect = suspect.clone();
-            }
-            return Ok((found, adjusted));
-        }
-        suspects = D::suspects(&adjusted).to_vec();
+    let search = Refitted {
+        data,
+        all: candidates,
+        null,
+        first: None,
+    };
+    let (mut found, model) = forward::settle(&search, suspects)?;
+    with_parameters::<D>(&mut found, &model);
+    Ok((found, model))
+}
+
+/// Causes with their parameters beside each other.
+fn with_parameters<D: Measured>(found: &mut [Found], model: &D::Model) {
+    for (found, suspect) in found.iter_mut().zip(D::suspects(model)) {
+        found.suspect = suspect.clone();
     }
+}
+
+/// The search in data that are adjusted anew with each cause.
+struct Refitted<'s, D> {
+    data: &'s D,
+    all: &'s [Hypothesis],
+    null: &'s Null,
+    /// The first cause, and what is compared with it alone.
+    first: Option<(Found, Vec<Hypothesis>)>,
+}
+
+impl<D: Measured> Forward for Refitted<'_, D> {
+    type Cause = Suspect;
+    type Found = Found;
+    type Model = D::Model;
+
+    fn most(&self) -> usize {
+        D::MOST_CAUSES
+    }
+
+    fn fit(&self, causes: Vec<Suspect>) -> Result<D::Model, Error> {
+        self.data.refit(causes)
+    }
+
+    fn fit_near(&self, near: &D::Model, causes: Vec<Suspect>) -> Result<D::Model, Error> {
+        self.data.refit_near(near, causes)
+    }
+
+    fn causes(model: &D::Model) -> &[Suspect] {
+        D::suspects(model)
+    }
+
+    fn best(&self, model: &D::Model, own: Option<&Suspect>) -> Option<Found> {
+        let is_alone = D::suspects(model).is_empty();
+        let all = match (&self.first, own) {
+            (Some((first, _)), None) if is_alone => return Some(first.clone()),
+            (Some((_, comparable)), Some(_)) if is_alone => comparable,
+            _ => self.all,
+        };
+        let ranking = Ranking::new(self.data, model, all);
+        // Equal evidence is no reason for an exchange.
+        let name = own.map(|own| &own.hypothesis);
+        let leader = ranking.leader(self.null, D::CAUSE_LEVEL, name)?;
+        let (mut found, mut fit) = found(&ranking, leader, self.null);
+        if own.is_some() {
+            if let Some(ends) = ends(self.data, &found.suspect) {
+                (found.suspect, fit) = refined(self.data, model, &found.suspect, ends);
+            }
+            found.rivals = ranking.rivals::<D>(leader, &fit);
+        }
+        Some(found)
+    }
+
+    fn cause(found: &Found) -> &Suspect {
+        &found.suspect
+    }
+
+    fn statistic(found: &Found) -> f64 {
+        found.statistic
+    }
+
+    fn has_moved(before: &Suspect, now: &Suspect) -> bool {
+        let is_same = now.hypothesis.is(&before.hypothesis);
+        !is_same || is_another(before.shape, (now.shape, now.u_shape))
+    }
+
+    /// The number of parameters is the same, so the squares decide.
+    fn exchanged(&self, model: &D::Model, found: &mut [Found]) -> Result<Option<D::Model>, Error> {
+        let Some(others) = self.data.exchanged(D::suspects(model)) else {
+            return Ok(None);
+        };
+        let other = self.data.refit_near(model, others)?;
+        let more = D::projection(&other).squares() - D::projection(model).squares();
+        if more < -EQUAL {
+            return Ok(Some(other));
+        }
+        if more < DECISIVE {
+            add_exchanged(found, D::suspects(&other), more);
+        }
+        Ok(None)
+    }
+
+    fn is_doubtful(&self, found: &[Found]) -> bool {
+        let culprits = found.iter().map(|found| Culprits::of(self.data, found));
+        let culprits: Vec<Culprits> = culprits.collect();
+        let is_stacked = (1..found.len()).any(|i| {
+            (0..i).any(|j| {
+                !found[i].suspect.is_second_time_constant(&found[j].suspect)
+                    && culprits[i].overlap(&culprits[j])
+            })
+        });
+        let is_uncertain = |f: &Found| f.p_value > FURTHER_LEVEL || f.evidence < 0.0;
+        is_stacked || found.iter().any(is_uncertain)
+    }
+
+    fn effects<'m>(&'m self, model: &'m D::Model) -> Option<(&'m Projection, Vec<Vec<f64>>)> {
+        let columns = self.data.columns(model);
+        let effects = D::suspects(model).iter().map(|suspect| {
+            let own = columns(&suspect.hypothesis, suspect.shape);
+            combined(D::bare(model).rows(), &own, &suspect.parameters)
+        });
+        Some((D::bare(model), effects.collect()))
+    }
+}
+
+/// A scored hypothesis as a cause without rivals.
+fn found<S: AsRef<[Box<dyn Scan>]>>(
+    ranking: &Ranking<'_, S>,
+    score: &Score,
+    null: &Null,
+) -> (Found, Fit) {
+    let (suspect, fit) = ranking.suspect(score);
+    let found = Found {
+        suspect,
+        p_value: null.family_wise(score.ln_p),
+        bic: score.bic,
+        evidence: score.evidence,
+        statistic: score.statistic,
+        rivals: Vec::new(),
+        wandering: Vec::new(),
+    };
+    (found, fit)
 }
 
 /// Lists exchanged causes as rivals of those that they replace; together they leave `more` squares.
@@ -199,32 +196,6 @@ fn add_exchanged(found: &mut [Found], others: &[Suspect], more: f64) {
             found.rivals.push((other.clone(), found.bic + more));
         }
     }
-}
-
-/// The best explanation of what a model without one of its causes leaves, with its rivals; `None` if noise explains it.
-fn judged<D: Measured>(
-    data: &D,
-    without: &D::Model,
-    own: &Suspect,
-    candidates: &[Hypothesis],
-    null: &Null,
-) -> Option<Found> {
-    let ranking = Ranking::new(data, without, candidates);
-    // Equal evidence is no reason for an exchange.
-    let best = ranking.leader(null, D::CAUSE_LEVEL, Some(&own.hypothesis))?;
-    let (mut suspect, mut fit) = ranking.suspect(best);
-    if let Some(ends) = ends(data, &suspect) {
-        (suspect, fit) = refined(data, without, &suspect, ends);
-    }
-    Some(Found {
-        p_value: null.family_wise(best.ln_p),
-        bic: best.bic,
-        evidence: best.evidence,
-        statistic: best.statistic,
-        rivals: ranking.rivals::<D>(best, &fit),
-        wandering: Vec::new(),
-        suspect,
-    })
 }
 
 /// Limits between which a listed shape is refined; `None` if the list has all shapes.
@@ -245,9 +216,6 @@ fn ends<D: Measured>(data: &D, suspect: &Suspect) -> Option<[f64; 2]> {
     }
 }
 
-/// Relative accuracy to which a time constant is refined.
-const REFINED: f64 = 1e-3;
-
 /// A time constant or a lag between its neighbours in the list: golden section on what it explains.
 fn refined<D: Measured>(
     data: &D,
@@ -257,7 +225,7 @@ fn refined<D: Measured>(
 ) -> (Suspect, Fit) {
     let columns = data.columns(without);
     let at = |shape: f64| Fit::new(D::projection(without), &columns(&suspect.hypothesis, shape));
-    let is_close = |low: f64, high: f64| high - low <= REFINED * ends[1];
+    let is_close = |low: f64, high: f64| high - low <= RESTS * ends[1];
     let shape = golden_section(ends, is_close, |shape| at(shape).gained());
     let fit = at(shape);
     let refined = Suspect::new(suspect.hypothesis, (shape, suspect.u_shape), &fit);

@@ -7,7 +7,7 @@
 use trueaxis_selection::{DECISIVE, Score};
 
 use crate::engine::FURTHER_LEVEL;
-use crate::engine::linear::{Chosen, drop_superfluous, opposed, refine, search, search_from};
+use crate::engine::linear::{Among, Chosen};
 use crate::verification::believed::{with_gain, without_imitations};
 use crate::verification::described::described;
 use crate::verification::held_out::{gain, held_out};
@@ -93,7 +93,7 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
 
 /// Sets of causes beside which something may wander.
 fn suspected(plain: &Problem<'_>, of_causes: &[Chosen]) -> Vec<Vec<Chosen>> {
-    let found = search(&plain.listed, Vec::new(), &[], plain.level);
+    let found = Among::all(&plain.listed, plain.level).after(Vec::new());
     let mut holding = found.clone();
     without_imitations(plain, &mut holding);
     // A form of one parameter that leaves much to disturbances may be right; others imitate it.
@@ -147,9 +147,15 @@ fn whole<'a>(plain: &Problem<'a>, excluded: &[usize]) -> Vec<Model<'a>> {
     let firsts = beside.scores.iter().filter(is_first).take(FIRST);
     let mut models: Vec<Model<'a>> = Vec::new();
     for first in firsts.map(|score| listed.chosen(&beside, score)) {
-        let causes = search_from(listed, first, excluded, (plain.level, MOST_OF_ALL));
+        let search = Among {
+            excluded,
+            most: MOST_OF_ALL,
+            is_whole: true,
+            ..Among::all(listed, plain.level)
+        };
+        let causes = search.after(vec![first]);
         let is_known = models.iter().any(|m| have_same(&m.causes, &causes));
-        if causes.len() < 2 || is_known || opposed(listed, &causes) {
+        if causes.len() < 2 || is_known {
             continue;
         }
         let model = of_causes(plain, causes);
@@ -186,11 +192,10 @@ fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>) -> Option<Model<'a>>
         if model.wandering.is_empty() {
             return None;
         }
-        // When a cause began and how long it took changes beside disturbances.
-        refine(&model.problem.listed, &mut causes);
-        // The true course never quite follows the process.
+        // When a cause began and how long it took changes beside disturbances, and the true course never quite follows
+        // the process.
         let level = plain.level.min(FURTHER_LEVEL);
-        drop_superfluous(&model.problem.listed, &mut causes, level);
+        causes = Among::by_name(&model.problem.listed, level).settled(causes);
         without_imitations(&model.problem, &mut causes);
         if causes.len() == found {
             model.causes = causes;
@@ -227,7 +232,11 @@ fn causes(problem: &Problem<'_>) -> Vec<Chosen> {
     let listed = &problem.listed;
     let mut excluded: Vec<usize> = Vec::new();
     for _ in 0..MOST_TRIES {
-        let mut chosen = search(listed, Vec::new(), &excluded, level);
+        let search = Among {
+            excluded: &excluded,
+            ..Among::all(listed, level)
+        };
+        let mut chosen = search.after(Vec::new());
         let first: Vec<usize> = chosen.iter().map(|c| c.candidate).collect();
         // Beside disturbances the neighbours of a reading predict it with a cause and without.
         if !problem.wanders {
@@ -236,7 +245,11 @@ fn causes(problem: &Problem<'_>) -> Vec<Chosen> {
         let found = chosen.len();
         without_imitations(problem, &mut chosen);
         if chosen.len() < found {
-            drop_superfluous(listed, &mut chosen, level);
+            let search = Among {
+                further: level,
+                ..Among::by_name(listed, level)
+            };
+            chosen = search.settled(chosen);
         }
         if !chosen.is_empty() || first.is_empty() {
             return chosen;

@@ -4,7 +4,7 @@ use trueaxis_effects::Shape;
 use trueaxis_leastsquares::dot;
 use trueaxis_selection::combined;
 
-use crate::engine::linear::{drop_superfluous, without};
+use crate::engine::linear::{Among, without};
 use crate::verification::model::{Model, only};
 use crate::verification::problem::Problem;
 use crate::verification::wanderer::Wanderer;
@@ -67,7 +67,10 @@ pub(crate) fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>) -> Model<
         let mut others = model.causes.clone();
         others.remove(undescribed);
         model = only(plain, wandering(plain, &others));
-        model.causes = others;
-        drop_superfluous(&model.problem.listed, &mut model.causes, plain.level);
+        let search = Among {
+            further: plain.level,
+            ..Among::by_name(&model.problem.listed, plain.level)
+        };
+        model.causes = search.settled(others);
     }
 }

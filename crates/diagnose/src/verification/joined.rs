@@ -5,7 +5,6 @@ use trueaxis_effects::{Level, Scene};
 use crate::engine::linear::Chosen;
 use crate::said::Entry;
 use crate::verification::lost_motion::{curve, shown_along};
-use crate::verification::report::rivals;
 use crate::verification::series::Series;
 use crate::verification::stack::Stack;
 use crate::verification::together::Shared;
@@ -39,7 +38,7 @@ pub(crate) fn joint_cause(
     Some(Cause {
         curve,
         mean_lost_motion,
-        rivals: rivals(listed, &judged),
+        rivals: listed.rivals(&judged),
         ..listed.cause(&judged, level, (&sized.fit, u_shape), variance)
     })
 }

@@ -6,10 +6,10 @@
 //! motion differs in sign between them, some pauses leave none; the distance is in its uncertainty.
 
 use trueaxis_effects::{BACKLASH, POSITION_DEPENDENT_BACKLASH};
-use trueaxis_selection::Fit;
+use trueaxis_selection::{Fit, Score};
 
 use crate::Rival;
-use crate::engine::linear::{Chosen, Listed};
+use crate::engine::linear::{Chosen, Listed, without};
 use crate::verification::base::{count, cycles, indicators};
 use crate::verification::problem::Problem;
 use crate::verification::wanderer::Wanderer;
@@ -84,7 +84,7 @@ pub(crate) fn by_pauses(
             names.map(|name| name.rival(comparison, evidence)).collect()
         }
         [false, true] if own.effect == POSITION_DEPENDENT_BACKLASH => {
-            constant(&paused, &without_time, number)
+            Vec::from_iter(constant(&paused, &without_time, number))
         }
         _ => Vec::new(),
     };
@@ -131,13 +131,14 @@ impl ByPauses {
 const COVERAGE: f64 = 2.0;
 
 /// The constant form of a lost motion that changes along the axis.
-fn constant(listed: &Listed, causes: &[Chosen], k: usize) -> Vec<Rival> {
-    let Some(judged) = listed.judge(causes, k) else {
-        return Vec::new();
-    };
+fn constant(listed: &Listed, causes: &[Chosen], k: usize) -> Option<Rival> {
     let own = listed.hypothesis(&causes[k]);
-    listed.rivals(&judged, |score, _, _| {
-        let other = &listed.candidate(&judged.beside, score).hypothesis;
+    let beside = listed.beside(&without(causes, k));
+    let is_it = |score: &&Score| {
+        let other = &listed.candidate(&beside, score).hypothesis;
         other.effect == BACKLASH && other.subject == own.subject
-    })
+    };
+    let score = beside.scores.iter().find(is_it)?;
+    let columns = listed.candidate(&beside, score).columns(score.shape);
+    Some(listed.rival(&beside, score, &Fit::new(&beside.model, &columns)))
 }

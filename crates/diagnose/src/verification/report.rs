@@ -1,9 +1,9 @@
 //! What was found in one verification, as the outcome states it.
 
-use trueaxis_effects::{Effect, Level, ResolvedEffect, Scene, Subject};
-use trueaxis_selection::{DECISIVE, Fit, Projection, Score, add, combined, cosine, is_rival};
+use trueaxis_effects::{Level, ResolvedEffect, Scene};
+use trueaxis_selection::{Fit, Projection, add, combined};
 
-use crate::engine::linear::{Chosen, Judged, Listed, contains, ln_more, without};
+use crate::engine::linear::{Chosen, Listed, without};
 use crate::engine::{places as places_by, side};
 use crate::fitted::{Against, Fitted, Row};
 use crate::verification::arrivals::Arrival;
@@ -75,7 +75,7 @@ pub(crate) fn causes(
             heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),
             rivals: [
                 rival_disturbances(problem, wandering, chosen, k, judged.score.evidence),
-                rivals(&problem.listed, &judged),
+                problem.listed.rivals(&judged),
                 by_pauses.map_or_else(Vec::new, |own| own.rivals),
             ]
             .concat(),
@@ -113,59 +113,6 @@ fn shown(problem: &Problem<'_>, scene: &Scene, misfit: &[f64], fitted: &[f64]) -
         against => against,
     };
     Some(Fitted { against, ..fitted })
-}
-
-/// Probability that noise gives as much as a larger form has more, above which it is taken to have no more.
-const UNDECIDED: f64 = 0.1;
-
-/// What explains the data nearly as well as a cause, each against the model with the other causes. A form that holds
-/// the cause and more is a rival only while it is undecided whether there is more.
-pub(crate) fn rivals(listed: &Listed, judged: &Judged) -> Vec<Rival> {
-    let (model, own) = (&judged.beside.model, &judged.score);
-    let cause_columns = listed.columns_of(&judged.cause);
-    let mut rivals = listed.rivals(judged, |score, other, columns| {
-        let holds_cause =
-            score.rank > own.rank && contains(model, &model.extended(columns), &cause_columns);
-        let is_held =
-            score.rank < own.rank && contains(model, &model.extended(&cause_columns), columns);
-        if is_held {
-            // The larger form was taken because it is decided that there is more.
-            ln_more(model, score, own) > UNDECIDED.ln()
-        } else if holds_cause {
-            let candidate = listed.candidate(&judged.beside, score);
-            ln_more(model, own, score) < candidate.ln_level_of_more(UNDECIDED)
-        } else {
-            is_rival(own, score, cosine(&judged.fit, other))
-        }
-    });
-    rivals.extend(lost_motion_beyond_drives(listed, judged));
-    // Straight and free lost motion are one effect in two forms: the better of them is stated.
-    let mut said: Vec<(&Effect, Subject)> = Vec::new();
-    rivals.retain(|rival| {
-        let Rival::Effect { effect, .. } = rival else {
-            return true;
-        };
-        let name = (effect.effect, effect.subject);
-        let is_new = !said.contains(&name);
-        said.push(name);
-        is_new
-    });
-    rivals
-}
-
-/// Lost motion that would explain as much if a drive lost so much: a mistake in the table is likelier than anything
-/// else that reverses with the axis. Beside late time stamps it always counts: soft joints lose unlike play.
-fn lost_motion_beyond_drives(listed: &Listed, judged: &Judged) -> impl Iterator<Item = Rival> {
-    let (beside, own) = (&judged.beside, &judged.score);
-    let effect = |score: &Score| listed.candidate(beside, score).hypothesis.effect;
-    let is_late = effect(own).is_delay();
-    let is_it = move |score: &&Score| {
-        effect(score).is_lost_motion() && (is_late || own.evidence - score.evidence < DECISIVE)
-    };
-    beside.impossible.iter().filter(is_it).map(|score| {
-        let columns = listed.candidate(beside, score).columns(score.shape);
-        listed.rival(beside, score, &Fit::new(&beside.model, &columns))
-    })
 }
 
 /// Adds to the causes of a model those of another one that is as good, each to the causes that it replaces there.

@@ -17,9 +17,7 @@ use trueaxis_selection::{Hypothesis, f_test};
 
 use crate::Cause;
 use crate::cause::SIZES_DIFFER;
-use crate::engine::linear::{
-    Candidate, Chosen, Listed, contains, drop_superfluous, search, simplest, without,
-};
+use crate::engine::linear::{Among, Candidate, Chosen, Listed, MOST_CAUSES, contains, without};
 use crate::verification::believed::without_imitations;
 use crate::verification::joined::joint_cause;
 use crate::verification::model::has;
@@ -52,14 +50,17 @@ pub(crate) fn together(
     let (found, causes, judged) = loop {
         let (stack, own) = stacked(all, &apart, calibration);
         let named = stack.named();
-        let mut found = exchanged(&stack.listed, named.clone(), level);
-        if found.len() > 1 {
+        let all_named = Among {
             // As likely as that one of the series had named it.
-            drop_superfluous(&stack.listed, &mut found, level * all.len() as f64);
-            // Of two forms of one effect the smaller may be missing.
-            found = exchanged(&stack.listed, found, level);
-        }
-        found = search(&stack.listed, found, &[], level);
+            further: level * all.len() as f64,
+            ..Among::all(&stack.listed, level * all.len() as f64)
+        };
+        let found = all_named.settled(named.clone());
+        let search = Among {
+            most: found.len() + MOST_CAUSES,
+            ..Among::all(&stack.listed, level)
+        };
+        let found = search.after(found);
         let of_each = stack.of_each(&own, &found);
         let sizes = (0..found.len()).map(|k| Sizes::new(&stack, &found, k));
         let sizes: Vec<Sizes> = sizes.collect();
@@ -127,29 +128,6 @@ fn its_own(series: &Series<'_>, is_joint: impl Fn(&Hypothesis) -> bool) -> Vec<C
         !(is_of_all(series, candidate) && is_joint(&candidate.hypothesis))
     };
     causes.filter(is_own).copied().collect()
-}
-
-/// Most replacements of causes by others with more evidence.
-const MOST_EXCHANGES: usize = 8;
-
-/// The causes with the best shapes over all series; each is replaced by what has more evidence.
-fn exchanged(listed: &Listed, mut causes: Vec<Chosen>, level: f64) -> Vec<Chosen> {
-    for _ in 0..MOST_EXCHANGES {
-        let before = causes.clone();
-        for k in 0..causes.len() {
-            let Some(judged) = listed.judge(&causes, k) else {
-                continue;
-            };
-            let scores = &judged.beside.scores;
-            if let Some(leader) = simplest(listed, &judged.beside, scores, level) {
-                causes[k] = listed.chosen(&judged.beside, leader);
-            }
-        }
-        if causes == before {
-            break;
-        }
-    }
-    causes
 }
 
 /// The forms that contain a cause or are contained in it: where it has several sizes, so have they.

@@ -233,12 +233,18 @@ impl<'a> Listed<'a> {
     pub(crate) fn judge(&self, causes: &[Chosen], k: usize) -> Option<Judged> {
         let beside = self.beside(&without(causes, k));
         let score = beside.score_of(&causes[k])?;
-        Some(Judged {
-            cause: causes[k],
+        Some(self.judged(beside, causes[k], score))
+    }
+
+    /// A cause beside others with its score.
+    pub(super) fn judged(&self, beside: Arc<Beside>, cause: Chosen, score: Score) -> Judged {
+        let fit = Fit::new(&beside.model, &self.columns_of(&cause));
+        Judged {
+            cause,
             score,
-            fit: Fit::new(&beside.model, &self.columns_of(&causes[k])),
+            fit,
             beside,
-        })
+        }
     }
 
     /// A judged cause with its parameters from a fit of its columns to observations of this variance, and the
@@ -262,26 +268,6 @@ impl<'a> Listed<'a> {
             delta_bic: judged.score.bic,
             ..Cause::of(level, effect, parameters, covariance)
         }
-    }
-
-    /// The rivals of a judged cause: hypotheses for whose score, fit and columns `is_close` holds.
-    pub(crate) fn rivals(
-        &self,
-        judged: &Judged,
-        is_close: impl Fn(&Score, &Fit, &[Vec<f64>]) -> bool,
-    ) -> Vec<Rival> {
-        let beside = &judged.beside;
-        let others = beside.scores.iter();
-        // Another form of the same effect is no rival.
-        let own = self.hypothesis(&judged.cause);
-        let is_other = |score: &&Score| !self.candidate(beside, score).hypothesis.is(own);
-        let others = others.filter(is_other);
-        let rival = |score: &Score| {
-            let columns = self.candidate(beside, score).columns(score.shape);
-            let other = Fit::new(&beside.model, &columns);
-            is_close(score, &other, &columns).then(|| self.rival(beside, score, &other))
-        };
-        others.filter_map(rival).collect()
     }
 
     /// A scored hypothesis with its fit as a rival.
