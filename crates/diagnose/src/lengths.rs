@@ -10,8 +10,7 @@
 //!   of the causes so far; the parameters of the causes follow by block elimination until both converge.
 //! - [`measured`]: the lengths as the search for causes ([`crate::engine`]) needs them.
 //! - [`beside`]: disturbances join the covariance.
-//! - [`grown`]: an effect that scales all lengths of a station may also be a machine that was larger then.
-//! - [`shifted`]: a machine that shifts while one station is occupied may also be a tripod that jumps.
+//! - [`instead`]: a machine that shifts may also be a tripod that jumps, and a scale of lengths a machine that was larger.
 //! - [`omnibus`]: whether anything is left at all, and what it varies with ([`unexplained`]).
 //! - [`left_out`]: gross errors leave before the search, and return if the causes explain them.
 //! - [`search`]: from the lengths to causes; [`named`]: the causes that explain enough of the misfit.
@@ -23,8 +22,8 @@ mod adjusted;
 mod base;
 mod beside;
 mod fitted;
-mod grown;
 mod held_out;
+mod instead;
 mod left_out;
 mod measured;
 mod named;
@@ -34,7 +33,6 @@ mod omnibus;
 mod places;
 mod report;
 mod search;
-mod shifted;
 mod swapped;
 mod unexplained;
 

@@ -11,13 +11,12 @@ use crate::engine::{
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::fitted::fitted;
-use crate::lengths::grown::add_growth;
 use crate::lengths::held_out::{held_out_stations, held_out_sweeps};
+use crate::lengths::instead::add_what_moves_instead;
 use crate::lengths::named::{Named, left_alone};
 use crate::lengths::noise_floor::{mean_noise_um, noise_floor_um};
 use crate::lengths::places::places;
 use crate::lengths::search::{Looked, looked_at};
-use crate::lengths::shifted::add_jumps;
 use crate::said::{Entry, Said};
 use crate::shares::Part;
 use crate::{Error, Gain, LevelReport, Misfit, Shares};
@@ -53,8 +52,7 @@ pub(crate) fn diagnose_lengths(
         &named.wandering,
         &mut named.found,
     )?;
-    add_growth(&named.base, &named.adjusted, &mut named.found)?;
-    add_jumps(&named.base, &named.adjusted, &mut named.found)?;
+    add_what_moves_instead(&named.base, &named.adjusted, &mut named.found)?;
     let Named {
         base,
         found,

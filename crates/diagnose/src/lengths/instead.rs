@@ -1,0 +1,97 @@
+//! What moves instead, where all targets are on the machine: targets on the bed, which do not move, would show it.
+//!
+//! - A machine that shifts while one station is occupied: the lengths show an opposite jump of that tripod. Later
+//!   stations are determined against the shifted machine. If one name is found, both are given.
+//! - A machine that is larger instead of lengths that are shown too long. From one station a whole machine that grew by
+//!   s is a scale s of its lengths: `u (p - c) s = l s - u (c - station) s`, where the station's position absorbs the
+//!   rest. Over time it does not, but the difference is small.
+
+use trueaxis_effects::{Shape, Subject, effect};
+use trueaxis_selection::{DECISIVE, Fit, Hypothesis};
+
+use crate::Error;
+use crate::engine::disturbance::{Wanderer, Who, With};
+use crate::engine::{Found, Suspect};
+use crate::lengths::adjusted::Adjusted;
+use crate::lengths::base::Base;
+
+/// Adds to a shift of the machine the jump of a tripod at the same instant, and to a scale of lengths a machine that
+/// grows in the same course, if it explains nearly as much.
+pub(crate) fn add_what_moves_instead(
+    base: &Base<'_>,
+    adjusted: &Adjusted,
+    found: &mut [Found],
+) -> Result<(), Error> {
+    let Some(jump) = effect("station_jump").filter(|_| !base.scene.has_bed_targets()) else {
+        return Ok(());
+    };
+    for (k, found) in found.iter_mut().enumerate() {
+        let (hypothesis, shape) = (found.suspect.hypothesis, found.suspect.shape);
+        let Hypothesis {
+            effect, subject, ..
+        } = hypothesis;
+        let is_jump = |(rival, _): &(Suspect, f64)| rival.hypothesis.effect == jump;
+        let is_shift = effect.moves_machine() && effect.shape == Shape::Instant;
+        let may_jump = is_shift && !found.rivals.iter().any(is_jump);
+        // The temperature of the air is not that of the machine.
+        let may_grow = effect.scales_lengths() && subject.column.is_none();
+        if !may_jump && !may_grow {
+            continue;
+        }
+        let mut others = adjusted.suspects.clone();
+        others.remove(k);
+        let without = base.adjust_near(adjusted, others)?;
+        let fit = |columns: &[Vec<f64>]| Fit::new(&without.projection, columns);
+        let fit_of = |own: &Hypothesis| fit(&base.columns(&without, own, shape));
+        let own = fit_of(&hypothesis).gained();
+        if may_jump {
+            let subjects = base.scene.stations.len();
+            let jumps = (0..subjects).map(|station| Hypothesis {
+                effect: jump,
+                subject: Subject::station(station),
+                subjects,
+            });
+            let jumps = jumps.map(|jump| (jump, fit_of(&jump)));
+            let best = jumps.max_by(|(_, a), (_, b)| a.gained().total_cmp(&b.gained()));
+            let best = best.filter(|(_, fit)| own - fit.gained() < DECISIVE);
+            found.rivals.extend(best.map(|(jump, fit)| {
+                let bic = found.bic + own - fit.gained();
+                (
+                    Suspect::new(jump, (shape, found.suspect.u_shape), &fit),
+                    bic,
+                )
+            }));
+        }
+        // The point where the machine is held is no finding, so it costs nothing.
+        let grown = may_grow.then(|| fit(&grown(base, &without, &hypothesis, shape)).gained());
+        let machine = Wanderer {
+            who: Who::Machine,
+            with: With::Campaign,
+        };
+        let grown = grown.filter(|gained| own - gained < DECISIVE);
+        found
+            .wandering
+            .extend(grown.map(|gained| (machine, gained)));
+    }
+    Ok(())
+}
+
+/// Whitened columns of a machine that grows in the course of a scale of lengths, about the origin and any point.
+fn grown(base: &Base<'_>, adjusted: &Adjusted, scale: &Hypothesis, shape: f64) -> Vec<Vec<f64>> {
+    let observations = base.observations(&adjusted.solution);
+    let of_lengths = base.columns_mm(&observations, scale, shape).swap_remove(0);
+    let with_course = |of: &dyn Fn(usize) -> f64| {
+        let course = |i: usize| of_lengths[i] / observations[i].at.distance_mm;
+        let mut column: Vec<f64> = (0..observations.len()).map(|i| course(i) * of(i)).collect();
+        adjusted.whitened.whiten(&mut column);
+        column
+    };
+    // A metre, so that all columns have similar length.
+    let held = (0..3).map(|c| with_course(&|i| 1e3 * observations[i].beam[c]));
+    let grows = with_course(&|i| {
+        observations[i]
+            .beam
+            .dot(&observations[i].at.point_mm.coords)
+    });
+    [grows].into_iter().chain(held).collect()
+}
