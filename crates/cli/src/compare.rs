@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
-use serde_json::{Value, json};
-use trueaxis_files::{round, told_behind, without_nulls};
-use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, MICROMETRE};
-use trueaxis_predict::{CalibratedMachine, Difference, check_same_machine, position_in_file};
+use serde_json::Value;
+use trueaxis_files::{round, told_behind};
+use trueaxis_kinematics::AxisKind;
+use trueaxis_predict::{
+    CalibratedMachine, Difference, check_same_machine, comparison_json, position_in_file,
+};
 
 use crate::args::CompareArgs;
 use crate::exit::Exit;
@@ -28,7 +30,7 @@ pub(crate) fn execute(args: &CompareArgs) -> anyhow::Result<Exit> {
     // Curves and location errors in the order of the differences.
     let curves = differences.chunk_by(|a, b| a.name == b.name);
     let curves: Vec<&[Difference]> = curves.collect();
-    let text = traced(to_json(&first, &second, &curves), &inputs, None)?;
+    let text = traced(comparison_json(&first, &second, &curves), &inputs, None)?;
     let mut results = args.result.folder(&second.campaign)?;
     results.write("comparison.json", text.as_bytes())?;
     for (name, machine) in [("first", &first), ("second", &second)] {
@@ -132,60 +134,6 @@ fn measured_lengths(path: &Path) -> Option<String> {
     table["sha256"].as_str().map(str::to_owned)
 }
 
-fn to_json(
-    first: &CalibratedMachine,
-    second: &CalibratedMachine,
-    curves: &[&[Difference]],
-) -> Value {
-    let axes = second.machine().axes();
-    let entry = |curve: &&[Difference]| {
-        let (unit, suffix) = unit(&curve[0]);
-        let column = |of: &dyn Fn(&Difference) -> f64| -> Value {
-            let values = curve.iter().map(|d| json!(round(of(d) / unit, DECIMALS)));
-            values.collect()
-        };
-        let in_file = |d: &Difference, q| position_in_file(axes[d.axis].kind(), q);
-        let positions = curve.iter().filter_map(|d| Some(in_file(d, d.position?)));
-        let positions: Vec<f64> = positions.collect();
-        let value = without_nulls(json!({
-            format!("first_{suffix}"): column(&|d| d.first),
-            format!("difference_{suffix}"): column(&Difference::value),
-            format!("u_{suffix}"): column(&|d| d.u),
-            "positions": (!positions.is_empty()).then_some(positions),
-            "beyond_noise": curve.iter().filter(|d| d.is_beyond_noise()).count(),
-            "follows_from_other_steps": curve[0].follows_from_other_steps.then_some(true),
-        }));
-        (curve[0].name.clone(), value)
-    };
-    let lines = first.other_steps(second).into_iter();
-    let common: serde_json::Map<String, Value> = lines
-        .filter_map(|(axis, kind, positions)| {
-            let in_file = |q: &f64| position_in_file(kind, *q);
-            let positions: Vec<f64> = positions?.iter().map(in_file).collect();
-            Some((axis.to_owned(), json!(positions)))
-        })
-        .collect();
-    let rotary = axes.iter().filter(|axis| axis.kind() == AxisKind::Rotary);
-    let rotary: Vec<&str> = rotary.map(Axis::name).collect();
-    without_nulls(json!({
-        "format": "trueaxis-comparison",
-        "version": 1,
-        "machine": second.name,
-        "first": first.campaign,
-        "second": second.campaign,
-        "rotary_axes": (!rotary.is_empty()).then_some(rotary),
-        "common_positions": (!common.is_empty()).then_some(common),
-        "differences": curves.iter().map(entry).collect::<Value>(),
-    }))
-}
-
-fn unit(difference: &Difference) -> (f64, &'static str) {
-    match difference.is_angular {
-        true => (ARCSEC, "arcsec"),
-        false => (MICROMETRE, "um"),
-    }
-}
-
 /// What it amounts to.
 fn summary(curves: &[&[Difference]]) -> String {
     if curves.iter().copied().flatten().any(|d| d.u.is_nan()) {
@@ -210,7 +158,7 @@ fn table(curves: &[&[Difference]]) -> Vec<String> {
             .iter()
             .max_by(|a, b| a.value().abs().total_cmp(&b.value().abs()));
         let Some(largest) = largest else { continue };
-        let (unit, suffix) = unit(largest);
+        let (unit, suffix) = largest.unit();
         let symbol = if suffix == "um" { "µm" } else { "″ " };
         let beyond = curve.iter().filter(|d| d.is_beyond_noise()).count();
         let of_all = format!("at {beyond} of {}", curve.len());

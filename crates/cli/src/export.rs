@@ -165,21 +165,11 @@ fn folder_of(path: &Path) -> &Path {
 }
 
 /// A line of a table that is wrong, with the path of its file.
-pub(crate) fn in_folder(error: Error, folder: &Path) -> Error {
-    match error {
-        Error::Table {
-            file,
-            line,
-            found,
-            expected,
-        } => Error::Table {
-            file: folder.join(file).display().to_string(),
-            line,
-            found,
-            expected,
-        },
-        error => error,
+pub(crate) fn in_folder(mut error: Error, folder: &Path) -> Error {
+    if let Error::Table { file, .. } = &mut error {
+        *file = folder.join(&*file).display().to_string();
     }
+    error
 }
 
 /// The files of a folder in the order of their names.

@@ -9,7 +9,7 @@
 //! calibrations with different ones are not compared; those whose errors are zero elsewhere than at home are
 //! ([`CalibratedMachine::other_homes`]).
 
-use trueaxis_kinematics::{AxisKind, Component, LocationComponent};
+use trueaxis_kinematics::{ARCSEC, AxisKind, Component, LocationComponent, MICROMETRE};
 
 use crate::calibrated_machine::{CalibratedAxis, CalibratedMachine};
 use crate::common_line::{Function, Steps, Tilts, is_from_line};
@@ -81,6 +81,14 @@ impl Difference {
     /// Second minus first, mm or rad.
     pub fn value(&self) -> f64 {
         self.second - self.first
+    }
+
+    /// The unit that files give it in, mm or rad, and how their fields name it.
+    pub fn unit(&self) -> (f64, &'static str) {
+        match self.is_angular {
+            true => (ARCSEC, "arcsec"),
+            false => (MICROMETRE, "um"),
+        }
     }
 
     /// Whether the machine has changed there, which noise and other steps do not explain.

@@ -1,5 +1,6 @@
 //! The machine and its predictions as files.
 
+pub(crate) mod comparison_json;
 pub(crate) mod covariance_index;
 pub(crate) mod covariance_npz;
 pub(crate) mod predicted_csv;

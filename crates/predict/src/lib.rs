@@ -57,6 +57,7 @@ pub use calibrated_machine::{CalibratedMachine, MeasuredAxis};
 pub use compare::{Difference, OtherReferencePoint, stands_alike};
 pub use coverage_factor::coverage_factor;
 pub use factored_covariance::FactoredCovariance;
+pub use files::comparison_json::comparison_json;
 pub use files::predicted_csv::{ERROR_COLUMNS, to_csv};
 pub use files::read_error::{CovarianceProblem, ReadError};
 pub use interpolation::{Node, weights_at};
