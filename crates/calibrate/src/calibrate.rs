@@ -5,12 +5,12 @@ use std::collections::BTreeSet;
 use nalgebra::{Isometry3, Point3};
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::{Machine, centroid};
-use trueaxis_mistakes::{MOST_ACCIDENTS, Mistakes};
+use trueaxis_mistakes::Mistakes;
 use trueaxis_poses::{LengthsAdjustment, MeasuredPoses, Poses, at_one_temperature, measure};
 use trueaxis_predict::OutputCovariance;
 
 use crate::Error;
-use crate::explain::{explained, refused, trial};
+use crate::explain::{explained, tried};
 use crate::identify::axis_data::{AxisData, by_axis};
 use crate::identify::context::Context;
 use crate::identify::identify_axes::{Identified, identify_axes};
@@ -22,7 +22,7 @@ use crate::propagate::factored_covariance::factored_covariance;
 use crate::propagate::propagation::Propagation;
 use crate::report::axis_results::{axis_results, station_results};
 use crate::report::expansion::refer_to_20_degrees;
-use crate::report::notices::notices;
+use crate::report::notices::{longer_alike, notices};
 use crate::report::relative_locations::relative_locations;
 use crate::report::run_misfit::{run_misfits, scatter_of_runs};
 use crate::report::triangle::triangle;
@@ -67,18 +67,10 @@ pub(crate) fn calibrate_in_parts<'a>(
     campaign: &'a Campaign,
     settings: &Settings,
 ) -> Result<(Calibration, Parts<'a>), Error> {
-    let tried = |campaign: &Campaign, robust: bool| {
-        let mut settings = *settings;
-        settings.covariance = false;
-        settings.poses.robust = robust;
-        settings.poses.most_removed = MOST_ACCIDENTS;
-        let calibrated = calibrate_as_given(campaign, &settings).map_err(|e| refused(&e));
-        calibrated.map(|(calibration, _)| trial(campaign, calibration))
-    };
     let mistakes = Mistakes {
         campaign,
         robust: settings.poses.robust,
-        calibrate: &tried,
+        calibrate: &|changed, robust| tried(changed, settings, robust),
     };
     let (mut calibration, parts) =
         calibrate_as_given(campaign, settings).map_err(|error| explained(error, &mistakes))?;
@@ -184,6 +176,8 @@ pub(crate) fn calibrate_as_given<'a>(
     let more = notices(campaign, &calibration, mirror_image_open);
     calibration.notices.extend(more);
     refer_to_20_degrees(campaign, &mut calibration);
+    let alike = longer_alike(&calibration);
+    calibration.notices.extend(alike);
     let parts = Parts {
         machine,
         measured,

@@ -1,12 +1,52 @@
 //! A calibration as input of the search for mistakes ([`trueaxis_mistakes`]).
 
-use trueaxis_campaign::{Campaign, Stop};
-use trueaxis_mistakes::{Mistakes, OffNominal, Refused, Trial};
+use std::path::Path;
+
+use trueaxis_campaign::{Campaign, Problem, Stop, read_uncompared};
+use trueaxis_mistakes::{MOST_ACCIDENTS, Mistakes, OffNominal, Refused, Trial};
+use trueaxis_poses::at_one_temperature;
 
 use crate::Error;
-use crate::report::nominal_positions::targets_elsewhere;
-use crate::report::notices::absurd_errors;
+use crate::calibrate::calibrate_as_given;
+use crate::report::notices::{absurd_errors, elsewhere};
 use crate::result::calibration::Calibration;
+use crate::settings::Settings;
+
+/// The mistake that explains why a campaign cannot be read: lengths that its machine cannot have caused, for no reason of units.
+pub fn mistake_behind(
+    error: &trueaxis_campaign::Error,
+    path: &Path,
+    settings: &Settings,
+) -> Option<String> {
+    let Problem::LengthsTooLarge { mistake: None, .. } = error.problem else {
+        return None;
+    };
+    let campaign = read_uncompared(path).ok()?;
+    let campaign = at_one_temperature(&campaign);
+    let mistakes = Mistakes {
+        campaign: &campaign,
+        robust: settings.poses.robust,
+        calibrate: &|changed, robust| tried(changed, settings, robust),
+    };
+    mistakes.explanation()
+}
+
+/// The calibration of a campaign in which a mistake may be undone.
+pub(crate) fn tried(
+    campaign: &Campaign,
+    settings: &Settings,
+    robust: bool,
+) -> Result<Trial, Refused> {
+    let mut settings = *settings;
+    settings.covariance = false;
+    settings.poses.robust = robust;
+    settings.poses.most_removed = MOST_ACCIDENTS;
+    match calibrate_as_given(campaign, &settings) {
+        Ok((calibration, _)) => Ok(trial(campaign, calibration)),
+        Err(error) if error.is_contradiction() => Err(Refused::Contradiction),
+        Err(_) => Err(Refused::Other),
+    }
+}
 
 /// The error with the mistakes that would explain it, if any do; other errors unchanged.
 pub(crate) fn explained(error: Error, mistakes: &Mistakes<'_>) -> Error {
@@ -21,15 +61,8 @@ pub(crate) fn explained(error: Error, mistakes: &Mistakes<'_>) -> Error {
     }
 }
 
-pub(crate) fn refused(error: &Error) -> Refused {
-    match error.is_contradiction() {
-        true => Refused::Contradiction,
-        false => Refused::Other,
-    }
-}
-
-pub(crate) fn trial(campaign: &Campaign, calibration: Calibration) -> Trial {
-    let elsewhere = targets_elsewhere(campaign, &calibration.targets);
+fn trial(campaign: &Campaign, calibration: Calibration) -> Trial {
+    let elsewhere = elsewhere(campaign, &calibration.targets);
     let mut axes = calibration.axes.iter();
     let is_plausible = elsewhere.is_empty() && axes.all(|axis| absurd_errors(axis).is_empty());
     Trial {

@@ -71,6 +71,7 @@ mod settings;
 
 pub use calibrate::{calibrate, calibrate_with_adjustment};
 pub use error::Error;
+pub use explain::mistake_behind;
 pub use replay::reliability::{LengthReliability, LengthsReliability};
 pub use replay::run_comparison::{ComparedPose, RunComparison};
 pub use replay::with_effects::calibrate_with_effects;

@@ -2,8 +2,8 @@
 
 pub(crate) mod axis_results;
 pub(crate) mod expansion;
+pub(crate) mod home;
 pub(crate) mod method_loss;
-pub(crate) mod nominal_positions;
 pub(crate) mod notices;
 pub(crate) mod relative_locations;
 pub(crate) mod run_misfit;

@@ -110,7 +110,7 @@ pub use model::*;
 pub use plausibility::UnitMistake;
 pub use positions::{Position, read_positions};
 pub use problem::{Error, Problem};
-pub use read::read;
+pub use read::{read, read_uncompared};
 pub use reflectors::reflectors;
 pub use setup::{check_instrument, check_reflectors};
 pub use trueaxis_files::{Alternatives, Part, Place};

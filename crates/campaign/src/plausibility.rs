@@ -91,7 +91,15 @@ pub(crate) fn check_lengths(
         if judgement.runs.is_empty() && mistake.is_none() {
             notices.push(isolated(name, campaign, worst, nominal.distance_mm(worst)));
         } else {
-            return Err(too_large(file, campaign, worst, &nominal, mistake));
+            return Err(Problem::LengthsTooLarge {
+                first_line: worst.ends[0].line,
+                station: campaign.stations[worst.station].name.clone(),
+                target: campaign.targets[worst.ends[1].target].name.clone(),
+                change_mm: worst.observed_mm,
+                moved_mm: nominal.distance_mm(worst),
+                mistake,
+            }
+            .at(Place::column(file, worst.ends[1].line, "length_mm")));
         }
     }
     // What is too small is said first: its distances mean nothing.
@@ -152,24 +160,6 @@ pub(crate) fn check_points(
         mistake: suspects.into_iter().find(explains).and_then(|h| h.mistake),
     }
     .at(Place::line(file, worst.ends[1].line)))
-}
-
-fn too_large(
-    file: &Path,
-    campaign: &Campaign,
-    worst: &Pair,
-    nominal: &NominalPoints,
-    mistake: Option<Box<UnitMistake>>,
-) -> Error {
-    Problem::LengthsTooLarge {
-        first_line: worst.ends[0].line,
-        station: campaign.stations[worst.station].name.clone(),
-        target: campaign.targets[worst.ends[1].target].name.clone(),
-        change_mm: worst.observed_mm,
-        moved_mm: nominal.distance_mm(worst),
-        mistake,
-    }
-    .at(Place::column(file, worst.ends[1].line, "length_mm"))
 }
 
 /// A notice on rows that contradict the motion while most others do not.

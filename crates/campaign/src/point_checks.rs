@@ -40,11 +40,10 @@ pub(crate) fn read(
         let [x, y, z] = deviations.map(|column| row.optional_number(column));
         let deviation_um = [x?, y?, z?];
         if deviation_um.iter().all(Option::is_none) {
-            let (found, expected) = (
-                "no deviation was measured",
-                "a number in at least one of dx_um, dy_um, dz_um; remove the row if there is none",
-            );
-            return Err(Problem::value(found, expected).at(Place::line(file, row.line())));
+            let expected =
+                "a number in at least one of dx_um, dy_um, dz_um; remove the row if there is none";
+            return Err(Problem::value("no deviation was measured", expected)
+                .at(Place::line(file, row.line())));
         }
         Ok(PointCheckReading {
             time_s: time.map(|column| row.time_s(column)).transpose()?,

@@ -23,22 +23,40 @@ use crate::{
 /// ([`Error`]). `campaign.json` is checked first, then each row of the data, then rows against
 /// each other, then the data against the motion of the machine, then the verifications.
 pub fn read(path: &Path) -> Result<Campaign, Error> {
-    read_from(path, &|file, hint| {
-        text_file::read(file, hint).map(Cow::Owned)
-    })
+    read_from(path, &from_disk, true)
+}
+
+/// [`read`] for those who ask why lengths are not those of the machine: they are not compared with its motion.
+///
+/// # Errors
+/// Those of [`read`], but none that the motion of the machine causes.
+pub fn read_uncompared(path: &Path) -> Result<Campaign, Error> {
+    read_from(path, &from_disk, false)
+}
+
+fn from_disk<'t>(file: &Path, hint: &str) -> Result<Cow<'t, str>, Error> {
+    text_file::read(file, hint).map(Cow::Owned)
 }
 
 /// Gives the text of a file, or an error that ends in the advice of the second argument.
 pub(crate) type TextOf<'t> = dyn Fn(&Path, &str) -> Result<Cow<'t, str>, Error> + 't;
 
-/// [`read`] for texts from anywhere.
-pub(crate) fn read_from(path: &Path, text_of: &TextOf<'_>) -> Result<Campaign, Error> {
+/// [`read`] for texts from anywhere; lengths are compared with the motion of the machine if asked for.
+pub(crate) fn read_from(
+    path: &Path,
+    text_of: &TextOf<'_>,
+    is_compared: bool,
+) -> Result<Campaign, Error> {
     let text = text_of(path, "give the path of a campaign.json")?;
     let mut document: Document = FORMAT.read(&text, Some(path))?;
     let sources = (document.lengths.take(), document.points.take());
     let verification = std::mem::take(&mut document.verification);
     let mut campaign = without_data(document).map_err(|error| error.in_file(path))?;
-    let folder = Folder { path, text_of };
+    let folder = Folder {
+        path,
+        text_of,
+        is_compared,
+    };
     match sources {
         (Some(_), Some(_)) => Err(Problem::TwoMeasurements.at(Place::field(path, "points"))),
         (Some(name), None) => folder.read_lengths(&name, &mut campaign),
@@ -87,6 +105,7 @@ struct Folder<'f, 't> {
     /// `campaign.json`.
     path: &'f Path,
     text_of: &'f TextOf<'t>,
+    is_compared: bool,
 }
 
 impl<'t> Folder<'_, 't> {
@@ -99,7 +118,10 @@ impl<'t> Folder<'_, 't> {
         let table = (file.as_path(), name, &*text);
         let rows = (&lengths.stops[..], &lengths.readings[..]);
         check_rows(table, campaign, rows, steps, |campaign| {
-            plausibility::check_lengths(&file, name, campaign, &lengths)
+            match self.is_compared {
+                true => plausibility::check_lengths(&file, name, campaign, &lengths),
+                false => Ok(Vec::new()),
+            }
         })?;
         campaign.lengths = Some(lengths);
         Ok(())

@@ -79,13 +79,11 @@ impl<'a> StopReader<'a> {
         };
         let repeat = row.counting_number(self.repeat)?;
         let target = row.name(self.target.0, &mut self.target.1)?;
-        let (run, direction) = match self.is_on_bed.get(target) {
-            Some(true) => {
-                self.check_is_beside_runs(row, target)?;
-                (None, Direction::Forward)
-            }
-            _ => {
-                self.check_is_in_run(row, target)?;
+        let is_on_bed = self.is_on_bed.get(target) == Some(&true);
+        self.check_run(row, target, is_on_bed)?;
+        let (run, direction) = match is_on_bed {
+            true => (None, Direction::Forward),
+            false => {
                 let run = row.name(self.run.0, &mut self.run.1)?;
                 (Some(run), row.direction(self.direction)?)
             }
@@ -110,40 +108,34 @@ impl<'a> StopReader<'a> {
         Ok(Sighting { time_s, target })
     }
 
-    /// A target that an axis carries is read in a run.
-    fn check_is_in_run(&self, row: &Row<'_>, target: usize) -> Result<(), Error> {
-        for (column, what) in [
-            (self.run.0, "the name of its run"),
-            (self.direction, "1 or -1"),
-        ] {
-            if row.cell(column).is_empty() {
-                let name = self.target.1.name(target);
-                let found = format!("an empty cell for target `{name}`, which an axis carries");
-                let expected =
-                    format!("{what}; only targets on the bed (`carried_by` null) have none");
-                return Err(Problem::value(found, expected).at(row.place(column)));
-            }
-        }
-        Ok(())
-    }
-
-    /// A target on the bed is read in no run.
-    fn check_is_beside_runs(&self, row: &Row<'_>, target: usize) -> Result<(), Error> {
-        let name = self.target.1.name(target);
-        for (column, what) in [(self.run.0, "run"), (self.direction, "direction")] {
-            if !row.cell(column).is_empty() {
-                let cell = String::from_utf8_lossy(row.cell(column));
-                let found = format!(
-                    "\"{cell}\" for target `{name}`, which stands on the bed (`carried_by` null)"
-                );
-                let expected = format!(
+    /// A target that an axis carries is read in a run, one on the bed in none.
+    fn check_run(&self, row: &Row<'_>, target: usize, is_on_bed: bool) -> Result<(), Error> {
+        let columns = [
+            (self.run.0, "run", "the name of its run"),
+            (self.direction, "direction", "1 or -1"),
+        ];
+        let wrong = |column: &(Column, _, _)| row.cell(column.0).is_empty() != is_on_bed;
+        let Some((column, name, what)) = columns.into_iter().find(wrong) else {
+            return Ok(());
+        };
+        let cell = String::from_utf8_lossy(row.cell(column));
+        let target = self.target.1.name(target);
+        let (found, expected) = match is_on_bed {
+            true => (
+                format!(
+                    "\"{cell}\" for target `{target}`, which stands on the bed (`carried_by` null)"
+                ),
+                format!(
                     "an empty cell: targets on the bed are read beside the runs; if an axis carries it, say \
-                     which in `carried_by` ({what})"
-                );
-                return Err(Problem::value(found, expected).at(row.place(column)));
-            }
-        }
-        Ok(())
+                     which in `carried_by` ({name})"
+                ),
+            ),
+            false => (
+                format!("an empty cell for target `{target}`, which an axis carries"),
+                format!("{what}; only targets on the bed (`carried_by` null) have none"),
+            ),
+        };
+        Err(Problem::value(found, expected).at(row.place(column)))
     }
 
     /// The stops, and the steps that they refer to.

@@ -88,10 +88,11 @@ fn texts(campaign: &Campaign, folder: &Path) -> Result<Vec<(PathBuf, String)>, E
 
 /// Reads the texts back, and refuses those that hold less than the campaign.
 fn check(campaign: &Campaign, path: &Path, files: &[(PathBuf, String)]) -> Result<(), Error> {
-    let read_back = read_from(path, &|file, _| {
+    let text_of = |file: &Path, _: &str| {
         let text = files.iter().find(|(name, _)| name == file);
-        Ok(text.map_or(Cow::Borrowed(""), |(_, text)| Cow::Borrowed(text)))
-    })?;
+        Ok(text.map_or(Cow::Borrowed(""), |(_, text)| Cow::Borrowed(text.as_str())))
+    };
+    let read_back = read_from(path, &text_of, true)?;
     let rows = |campaign: &Campaign| {
         let lengths = campaign.lengths.as_ref().map(|l| l.readings.len());
         let points = campaign.points.as_ref().map(|p| p.readings.len());

@@ -5,15 +5,17 @@ use trueaxis_calibrate::{
     Calibration, LengthsReliability, Settings, calibrate, calibrate_for_replay,
     calibrate_with_effects,
 };
-use trueaxis_campaign::{checksums, read};
+use trueaxis_campaign::checksums;
 use trueaxis_diagnose::{Rejected, without_wrong_points};
 use trueaxis_poses::{at_one_temperature, scene_of};
 use trueaxis_predict::{FactoredCovariance, OutputCovariance};
 
 use crate::args::CalibrateArgs;
 use crate::exit::Exit;
+use crate::given_campaign::read_campaign;
+use crate::output::replaced;
 use crate::talk::{notice, notice_all, say_all};
-use crate::{effects_input, output, summary};
+use crate::{effects_input, summary};
 
 /// Significance at which `--fail-on-misfit` rejects the model.
 const MISFIT_LEVEL: f64 = 1e-3;
@@ -23,16 +25,14 @@ const COVARIANCE_INDEX: &str = "covariance.json";
 const RELIABILITY_INDEX: &str = "reliability.json";
 
 pub(crate) fn execute(args: &CalibrateArgs) -> anyhow::Result<Exit> {
-    let campaign = read(&args.campaign)?;
-    let inputs = checksums(&args.campaign)?;
-    let replaced = match args.result.out {
-        Some(_) => None,
-        None => output::replaced(&campaign, &inputs)?,
-    };
     let settings = Settings {
         covariance: args.covariance,
         ..args.model.settings()
     };
+    let campaign = read_campaign(&args.campaign, &settings)?;
+    let inputs = checksums(&args.campaign)?;
+    let out = args.result.out.as_deref();
+    let replaced = replaced(out, "calibration.json", &campaign, &inputs)?;
     let kept = settings
         .poses
         .robust

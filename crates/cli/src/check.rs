@@ -1,6 +1,7 @@
 //! `trueaxis check`.
 
-use trueaxis_campaign::{Campaign, read};
+use trueaxis_calibrate::Settings;
+use trueaxis_campaign::Campaign;
 use trueaxis_files::counted;
 use trueaxis_kinematics::Branch;
 use trueaxis_poses::missing;
@@ -8,6 +9,7 @@ use trueaxis_predict::{GIVE_COMMANDED, positions_are_read_out};
 
 use crate::args::CheckArgs;
 use crate::exit::Exit;
+use crate::given_campaign::read_campaign;
 use crate::output;
 use crate::summary::named;
 use crate::talk::{notice_all, say, say_all};
@@ -16,7 +18,7 @@ mod coverage;
 mod json;
 
 pub(crate) fn execute(args: &CheckArgs) -> anyhow::Result<Exit> {
-    let campaign = read(&args.campaign)?;
+    let campaign = read_campaign(&args.campaign, &Settings::default())?;
     describe(&campaign);
     let mut notices = campaign.notices.clone();
     notices.extend(missing(&campaign));

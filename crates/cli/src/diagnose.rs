@@ -6,7 +6,7 @@ mod in_words;
 mod layout;
 mod story;
 
-use trueaxis_campaign::{Campaign, checksums, read};
+use trueaxis_campaign::{Campaign, checksums};
 use trueaxis_compensate::{uncompensated, verify};
 use trueaxis_diagnose::{Diagnosis, Settings, diagnose, diagnose_against};
 use trueaxis_predict::CalibratedMachine;
@@ -14,7 +14,9 @@ use trueaxis_simulate::replay;
 
 use crate::args::DiagnoseArgs;
 use crate::exit::Exit;
+use crate::given_campaign::read_campaign;
 use crate::other_machine::placed;
+use crate::output::replaced;
 use crate::talk::{notice_all, say_all};
 use crate::traceability::{of_calibration, traced};
 use crate::verify::mistaken;
@@ -26,13 +28,19 @@ const EFFECTS: &str = "effects.json";
 const REPLAY: &str = "replay.json";
 
 pub(crate) fn execute(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
-    let campaign = read(&args.campaign)?;
+    let campaign = read_campaign(&args.campaign, &trueaxis_calibrate::Settings::default())?;
     let mut inputs = checksums(&args.campaign)?;
-    let diagnosis = match &args.calibration {
+    let calibration = args.calibration.as_deref();
+    let calibration = calibration.map(|path| anyhow::Ok((path, CalibratedMachine::read(path)?)));
+    let calibration = calibration.transpose()?;
+    if let Some((path, calibration)) = &calibration {
+        inputs.extend(of_calibration(path, calibration)?);
+    }
+    let out = args.result.out.as_deref();
+    let replaced = replaced(out, "diagnosis.json", &campaign, &inputs)?;
+    let diagnosis = match calibration {
         None => diagnose(&campaign, &Settings::default()),
-        Some(path) => {
-            let calibration = CalibratedMachine::read(path)?;
-            inputs.extend(of_calibration(path, &calibration)?);
+        Some((path, calibration)) => {
             // What the campaign has none of is said by the diagnosis.
             let verified = verify(&calibration, &campaign, args.compensated);
             let mistakes = mistaken(&verified.unwrap_or_default(), args.compensated);
@@ -53,6 +61,7 @@ pub(crate) fn execute(args: &DiagnoseArgs) -> anyhow::Result<Exit> {
     let text = traced(serde_json::from_str(&diagnosis.to_json())?, &inputs, None)?;
     let mut notices: Vec<String> = campaign.notices.clone();
     notices.extend(diagnosis.notices.iter().cloned());
+    notices.extend(replaced);
     let mut files = vec![("diagnosis.json", text.clone())];
     files.extend(extended_model(&campaign, &diagnosis, &mut notices)?);
 

@@ -16,6 +16,7 @@ mod error_json;
 mod exit;
 mod explain;
 mod export;
+mod given_campaign;
 mod given_file;
 mod import;
 mod init;
@@ -44,8 +45,9 @@ use crate::exit::Exit;
 
 fn main() -> ExitCode {
     let args = Args::try_parse().unwrap_or_else(|error| misused(&error));
-    if args.quiet {
-        talk::be_quiet();
+    match args.quiet {
+        true => talk::be_quiet(),
+        false => progress::start_clock(),
     }
     let verb = || match &args.verb {
         Verb::Check(args) => check::execute(args),

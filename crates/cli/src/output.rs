@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use trueaxis_campaign::{Campaign, InputFile};
 
+use crate::progress::end_clock;
 use crate::report;
 use crate::talk::say;
 
@@ -132,25 +133,40 @@ pub(crate) fn folder(given: Option<&Path>, campaign: &str) -> Result<PathBuf, Ou
     Ok(path)
 }
 
-/// Refuses to replace the calibration of another machine in a folder that only its name chose. That of other data of the machine
-/// can be made again: a notice.
+/// Refuses to write a result beside or in place of those of another machine, where no folder is given and only the name of the
+/// campaign chose it. That of other data of the machine can be made again: a notice.
 pub(crate) fn replaced(
+    given: Option<&Path>,
+    name: &str,
     campaign: &Campaign,
     inputs: &[InputFile],
 ) -> Result<Option<String>, OutputError> {
-    let path = Path::new(&file_name(&campaign.name)).join("calibration.json");
-    let earlier = std::fs::read(&path).ok();
-    let earlier: Option<Value> = earlier.and_then(|bytes| serde_json::from_slice(&bytes).ok());
-    let earlier = earlier.unwrap_or_default();
-    let machine = earlier["machine"]["name"].as_str().unwrap_or_default();
-    if !machine.is_empty() && machine != campaign.machine_name {
-        let machine = machine.to_owned();
-        return Err(OutputError::OtherMachine { path, machine });
+    if given.is_some() {
+        return Ok(None);
     }
-    let before = &earlier["traceability"]["inputs"];
+    let folder = PathBuf::from(file_name(&campaign.name));
+    for name in ["calibration.json", name] {
+        let path = folder.join(name);
+        let document = read_json(&path);
+        let machine = [&document["machine"]["name"], &document["machine"]];
+        let machine = machine.into_iter().find_map(Value::as_str);
+        let is_other = |name: &&str| !name.is_empty() && *name != campaign.machine_name;
+        if let Some(other) = machine.filter(is_other) {
+            let machine = other.to_owned();
+            return Err(OutputError::OtherMachine { path, machine });
+        }
+    }
+    let path = folder.join(name);
+    let before = &read_json(&path)["traceability"]["inputs"];
     let is_other = before.is_array() && *before != json!(inputs);
     let path = path.display();
     Ok(is_other.then(|| format!("{path} was of other data and is replaced; --out keeps both")))
+}
+
+/// A document that may be there from before; null if it is none.
+fn read_json(path: &Path) -> Value {
+    let bytes = std::fs::read(path).unwrap_or_default();
+    serde_json::from_slice(&bytes).unwrap_or_default()
 }
 
 /// Writes a result whole or not at all.
@@ -186,6 +202,7 @@ pub(crate) fn write_all_new(files: &[(&Path, String)]) -> Result<(), OutputError
 
 /// Data on standard output. A reader that stops early (`| head`) is no error.
 pub(crate) fn print(text: &str) -> Result<(), OutputError> {
+    end_clock();
     match io::stdout().lock().write_all(text.as_bytes()) {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         written => written.map_err(OutputError::StandardOutput),

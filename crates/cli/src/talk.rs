@@ -3,8 +3,8 @@
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::codes;
 use crate::drawing::Spot;
+use crate::{codes, progress};
 
 static QUIET: AtomicBool = AtomicBool::new(false);
 
@@ -32,6 +32,7 @@ pub(crate) fn say_all(lines: impl IntoIterator<Item: AsRef<str>>) {
 
 /// One line. A closed standard error is no reason to fail.
 pub(crate) fn say_always(line: &str) {
+    progress::end_clock();
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 

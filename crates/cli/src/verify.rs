@@ -14,6 +14,7 @@ use crate::args::VerifyArgs;
 use crate::check::read_out;
 use crate::exit::Exit;
 use crate::other_machine::placed;
+use crate::output::replaced;
 use crate::predict::source;
 use crate::summary::probability;
 use crate::talk::{notice_all, say_all};
@@ -22,6 +23,10 @@ use crate::traceability::{of_calibration, traced};
 pub(crate) fn execute(args: &VerifyArgs) -> anyhow::Result<Exit> {
     let machine = CalibratedMachine::read(&args.calibration)?;
     let campaign = trueaxis_campaign::read(&args.campaign)?;
+    let mut inputs = of_calibration(&args.calibration, &machine)?;
+    inputs.extend(checksums(&args.campaign)?);
+    let out = args.result.out.as_deref();
+    let replaced = replaced(out, "verification.json", &campaign, &inputs)?;
     let verified = verify(&machine, &campaign, args.compensated);
     let verified = verified.map_err(|error| placed(error, &args.calibration, &args.campaign))?;
     let parallel = parallel_lines(&machine, &verified, args.compensated);
@@ -40,8 +45,6 @@ pub(crate) fn execute(args: &VerifyArgs) -> anyhow::Result<Exit> {
     if !notices.is_empty() {
         document["notices"] = json!(notices);
     }
-    let mut inputs = of_calibration(&args.calibration, &machine)?;
-    inputs.extend(checksums(&args.campaign)?);
     let text = traced(document, &inputs, None)?;
     let mut results = args.result.folder(&campaign.name)?;
     results.write("verification.json", text.as_bytes())?;
@@ -53,7 +56,7 @@ pub(crate) fn execute(args: &VerifyArgs) -> anyhow::Result<Exit> {
     let of_entry = |entry| lines(entry, args.compensated);
     say_all(verified.iter().flat_map(of_entry));
     say_all(parallel.iter().flat_map(|found| angles(&machine, found)));
-    notice_all(&notices);
+    notice_all(notices.iter().chain(&replaced));
     results.end(args.result.json.then_some(&text))?;
     let is_rejected = verified.iter().any(Verified::is_misfit);
     Ok(Exit::of_misfit(args.fail_on_misfit && is_rejected))

@@ -1,7 +1,7 @@
 //! What people do wrong: for data that contradict each other, the mistakes that would explain the contradiction.
 //!
-//! Each mistake (names of targets or stations exchanged, an axis or the lengths reversed, nominal positions that are not
-//! those at home, a wrong prism constant) is undone in a copy of the campaign, and that copy is calibrated; long runs are
+//! Each mistake (names of targets or stations exchanged, an axis reversed or in another unit, lengths reversed, nominal positions that
+//! are not those at home, a target elsewhere, axes that carry each other otherwise, a wrong prism constant) is undone in a copy of the campaign, and that copy is calibrated; long runs are
 //! thinned first. A mistake is reported, with where it was made and what to change, if undoing it makes the lengths (or points) fit with
 //! only isolated rejections, and the axes move as commanded. Mistakes that fit alike are all named, of those made in the
 //! largest part of the measurement; the first is one that targets and stations do not speak against ([`OffNominal`]). A
@@ -29,13 +29,17 @@
 //!
 //! It finds one mistake at a time, and none that no length or point contradicts.
 
+mod elsewhere;
 mod lost_sweeps;
 mod mistake;
 mod off_nominal;
 mod offsets;
 mod scope;
 mod search;
+mod setups;
+mod shown;
 mod suspects;
 
 pub use off_nominal::OffNominal;
 pub use search::{MOST_ACCIDENTS, Mistakes, PredictedLengths, Refused, Trial};
+pub use shown::{FoundTarget, common_scale, targets_elsewhere};

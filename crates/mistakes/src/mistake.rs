@@ -1,9 +1,9 @@
 //! Mistakes, how they are undone, and their words.
 
 use trueaxis_campaign::Campaign;
-use trueaxis_kinematics::{AxisKind, Ideal};
 
 use crate::scope::Scope;
+use crate::setups::Setup;
 
 /// Something that people do wrong, and in which part of the measurement.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,10 +20,10 @@ pub(crate) enum What {
     StationsExchanged([usize; 2]),
     /// The lengths have the other sign.
     LengthsReversed,
-    /// An axis moves against its direction.
-    AxisReversed(usize),
-    /// Nominal positions of the targets are not those at home, but where the axes stood in a run.
-    NominalsAway(Vec<f64>),
+    /// An axis moves this many times as far as commanded; -1: against its direction.
+    AxisScaled(usize, f64),
+    /// Machine or targets are not as the campaign has them.
+    Setup(Box<Setup>),
     /// The lengths to a target are too long by the same amount; zero while that is not known.
     Offset {
         target: usize,
@@ -37,19 +37,16 @@ impl Mistake {
     pub(crate) fn undone(&self, campaign: &Campaign) -> Campaign {
         let mut changed = campaign.clone();
         match &self.what {
-            What::AxisReversed(axis) => {
+            What::AxisScaled(axis, factor) => {
                 for step in &mut changed.steps {
                     if self.scope.run.is_none() || self.scope.run == step.run {
-                        step.positions[*axis] *= -1.0;
+                        step.positions[*axis] *= factor;
                     }
                 }
             }
-            What::NominalsAway(positions) => {
-                for target in &mut changed.targets {
-                    let chain = campaign.machine.chain(target.carrier);
-                    let motion = campaign.machine.chain_motion(&Ideal, chain, positions);
-                    target.home_mm = motion.inverse() * target.home_mm;
-                }
+            What::Setup(setup) => {
+                changed.machine = setup.machine.clone();
+                changed.targets.clone_from(&setup.targets);
             }
             of_lengths => {
                 if let (Some(points), What::TargetsExchanged(targets)) =
@@ -103,32 +100,23 @@ impl Mistake {
             What::LengthsReversed => format!(
                 "the lengths have the other sign {place}: a length grows when the target moves away"
             ),
-            What::AxisReversed(axis) => {
+            What::AxisScaled(axis, factor) => {
                 let name = campaign.machine.axes()[*axis].name();
                 match self.scope.run {
-                    None => format!(
-                        "axis {name} moves in the other direction: reverse its `direction` in the campaign, or \
-                         the sign of its column"
-                    ),
                     Some(run) => format!(
                         "axis {name} moves in the other direction in run {}: reverse the sign of its column there",
                         campaign.runs[run].name
                     ),
+                    None if *factor < 0.0 => format!(
+                        "axis {name} moves in the other direction: reverse its `direction` in the campaign, or \
+                         the sign of its column"
+                    ),
+                    None => format!(
+                        "axis {name} moves {factor:.4} times as far as its column says (diameters, inches, radians?): multiply the column by {factor}"
+                    ),
                 }
             }
-            What::NominalsAway(positions) => {
-                let axes = campaign.machine.axes().iter().zip(positions);
-                let away = axes.filter(|(_, position)| position.abs() > 0.0);
-                let stand = away.map(|(axis, &position)| match axis.kind() {
-                    AxisKind::Linear => format!("{} at {position} mm", axis.name()),
-                    AxisKind::Rotary => format!("{} at {:.3}°", axis.name(), position.to_degrees()),
-                });
-                format!(
-                    "`position_mm` of the targets are where they are with {}, not at home: give their \
-                     positions with all axes at 0",
-                    stand.collect::<Vec<_>>().join(", ")
-                )
-            }
+            What::Setup(setup) => setup.words.clone(),
             What::Offset {
                 target: t,
                 offset_mm,

@@ -4,9 +4,11 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 use trueaxis_campaign::Campaign;
+use trueaxis_kinematics::AxisKind;
 
 use crate::mistake::{Mistake, What};
 use crate::scope::{Scope, readings_of, stops_of};
+use crate::setups::setups;
 
 /// What becomes of the lengths if a part of them is left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,16 +35,19 @@ pub(crate) fn suspects(
     if *within == everywhere {
         let axes: BTreeSet<usize> = campaign.runs.iter().map(|run| run.axis).collect();
         for &axis in &axes {
-            add(What::AxisReversed(axis), everywhere);
+            let of_kind = factors(campaign.machine.axes()[axis].kind());
+            for &factor in of_kind {
+                add(What::AxisScaled(axis, factor), everywhere);
+            }
             let of_axis = |run: &usize| campaign.runs[*run].axis == axis;
             let runs: Vec<usize> = (0..campaign.runs.len()).filter(of_axis).collect();
             for &run in runs.iter().filter(|_| runs.len() > 1) {
                 let run = Some(run);
-                add(What::AxisReversed(axis), Scope { run, ..everywhere });
+                add(What::AxisScaled(axis, -1.0), Scope { run, ..everywhere });
             }
         }
-        for positions in nominals_away(campaign) {
-            add(What::NominalsAway(positions), everywhere);
+        for setup in setups(campaign) {
+            add(What::Setup(Box::new(setup)), everywhere);
         }
     }
     for &scope in &scopes {
@@ -80,11 +85,15 @@ pub(crate) fn suspects(
     [by_size(all), by_size(offsets)].concat()
 }
 
-/// Mistakes in order of the number of parts that make the place, those with the same number together.
+/// Mistakes in order of the number of parts that make the place, those with the same number together; what is wrong in several
+/// entries of the campaign comes after what is wrong in one.
 fn by_size(mut all: Vec<Mistake>) -> Vec<Vec<Mistake>> {
-    let parts = |mistake: &Mistake| mistake.scope.parts();
-    all.sort_by_key(parts);
-    let alike = all.chunk_by(|a, b| parts(a) == parts(b));
+    let size = |mistake: &Mistake| {
+        let is_rebuilt = matches!(&mistake.what, What::Setup(setup) if setup.is_rebuilt);
+        (mistake.scope.parts(), is_rebuilt)
+    };
+    all.sort_by_key(size);
+    let alike = all.chunk_by(|a, b| size(a) == size(b));
     alike.map(<[_]>::to_vec).collect()
 }
 
@@ -174,22 +183,11 @@ fn pairs_of_targets(campaign: &Campaign) -> BTreeSet<[usize; 2]> {
     pairs
 }
 
-/// Where the axes stood at the beginning of runs, if not all at home.
-fn nominals_away(campaign: &Campaign) -> Vec<Vec<f64>> {
-    let mut places: Vec<Vec<f64>> = Vec::new();
-    for (number, run) in campaign.runs.iter().enumerate() {
-        let mut steps = campaign.steps.iter();
-        let Some(first) = steps.find(|step| step.run == Some(number)) else {
-            continue;
-        };
-        let mut parked = first.positions.clone();
-        parked[run.axis] = 0.0;
-        for place in [first.positions.clone(), parked] {
-            let away = place.iter().any(|position| position.abs() > 0.0);
-            if away && !places.contains(&place) {
-                places.push(place);
-            }
-        }
+/// How many times as far as commanded an axis may move: reversed; diameters, inches; degrees and radians.
+fn factors(kind: AxisKind) -> &'static [f64] {
+    const RADIAN: f64 = 180.0 / std::f64::consts::PI;
+    match kind {
+        AxisKind::Linear => &[-1.0, 0.5, 2.0, 25.4, 1.0 / 25.4],
+        AxisKind::Rotary => &[-1.0, RADIAN, 1.0 / RADIAN],
     }
-    places
 }

@@ -2,9 +2,13 @@
 
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
+use trueaxis_mistakes::{common_scale, targets_elsewhere};
+use trueaxis_poses::{ScaleBasis, ScaleResult};
 
-use crate::report::nominal_positions::{homes_out_of_reach, targets_elsewhere};
-use crate::result::calibration::{AxisResult, Calibration, NodeResult, StationResult};
+use crate::report::home::homes_out_of_reach;
+use crate::result::calibration::{
+    AxisResult, Calibration, NodeResult, StationResult, TargetResult,
+};
 
 /// Error of a paced-off position of a station, mm.
 const APPROXIMATE_MM: f64 = 500.0;
@@ -30,7 +34,7 @@ pub(crate) fn notices(
     notices.extend(unmeasured_axes(campaign, axes));
     notices.extend(axes.iter().filter_map(without_straightness));
     notices.extend(homes_out_of_reach(campaign, axes));
-    notices.extend(targets_elsewhere(campaign, &calibration.targets));
+    notices.extend(elsewhere(campaign, &calibration.targets));
     notices.extend(axes.iter().flat_map(absurd_errors));
     notices.extend(stations_elsewhere(campaign, &calibration.stations));
     notices.extend(absurd_scale(calibration));
@@ -173,6 +177,29 @@ fn absurd_scale(calibration: &Calibration) -> Option<String> {
          known lengths, and whether the lengths are corrected for the air",
         1e6 * scale.value.abs()
     ))
+}
+
+/// Targets that are not at their nominal positions.
+pub(crate) fn elsewhere(campaign: &Campaign, targets: &[TargetResult]) -> Vec<String> {
+    let found = targets.iter().map(|t| (t.name.as_str(), t.position_mm));
+    targets_elsewhere(campaign, &found.collect::<Vec<_>>())
+}
+
+/// Linear axes that are longer than commanded alike, where no known length says that they are.
+pub(crate) fn longer_alike(calibration: &Calibration) -> Option<String> {
+    let scale = |axis: &'_ AxisResult| {
+        let direction = calibration.machine.axes()[axis.axis].direction();
+        let ends = [axis.nodes.first()?, axis.nodes.last()?];
+        let [a, b] = ends.map(|n| (n.position, n.error.translation_mm.dot(&direction)));
+        (a.0 < b.0).then(|| (b.1 - a.1) / (b.0 - a.0))
+    };
+    let linear = calibration
+        .axes
+        .iter()
+        .filter(|axis| axis.kind == AxisKind::Linear);
+    let scales = linear.filter_map(|axis| Some((axis.name.as_str(), scale(axis)?)));
+    let is_known = |scale: ScaleResult| scale.basis != ScaleBasis::Declared;
+    common_scale(&scales.collect::<Vec<_>>()).filter(|_| !calibration.scale.is_some_and(is_known))
 }
 
 /// Stations that are far from their rough positions in the campaign.

@@ -126,8 +126,42 @@ fn a_calibration_of_another_machine_is_not_replaced() {
     let before = contents(folder.path());
     let says = "rotary-stage/calibration.json … is of another machine, old … --out";
     again(&[]).assert_failed("another machine", USAGE, says);
+    // What other verbs find goes into the same folder.
+    run_line(folder.path(), "diagnose @rotary-stage").assert_failed("diagnosis", USAGE, says);
     assert_eq!(contents(folder.path()), before);
     again(&["--out", "elsewhere"]).assert_good();
+}
+
+#[test]
+fn a_diagnosis_of_other_data_is_replaced_with_a_word() {
+    let folder = tempfile::tempdir().unwrap();
+    let again = || run_line(folder.path(), "diagnose @rotary-stage --no-report");
+    again().assert_good();
+    assert!(!again().stderr.contains("replaced"));
+    let path = folder.path().join("rotary-stage/diagnosis.json");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, text.replacen("\"sha256\": \"", "\"sha256\": \"0", 1)).unwrap();
+    let says = "diagnosis.json was of other data and is replaced; --out keeps both";
+    assert!(again().stderr.contains(says));
+}
+
+/// Lengths that the machine of the campaign cannot have caused: no unit explains them, but what carries the targets does. They
+/// were refused without it.
+#[test]
+fn a_mistake_behind_impossible_lengths_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["campaign.json", "lengths.csv"] {
+        fs::copy(shipped("fxyz").join(name), folder.path().join(name)).unwrap();
+    }
+    let path = folder.path().join("campaign.json");
+    let text = fs::read_to_string(&path).unwrap();
+    let wrong = text.replace("\"carried_by\": \"Z\"", "\"carried_by\": \"Y\"");
+    assert_ne!(wrong, text);
+    fs::write(&path, wrong).unwrap();
+    let says = "error[E215]: likely cause: … carried by Z … the target moves only";
+    for verb in ["calibrate", "check"] {
+        run_line(folder.path(), &format!("{verb} campaign.json")).assert_failed(verb, 3, says);
+    }
 }
 
 #[test]

@@ -20,7 +20,16 @@ fn units() {
                 "one axis at half its positions",
                 |files| files.scale("X", 0.5),
                 INPUT,
-                "lengths.csv line … the target moves only 220.000 mm",
+                "likely cause: axis X moves 2.0000 times as far … lengths.csv line … the target moves only 220.000 mm",
+            ),
+            (
+                "noise in millimetres",
+                |files| {
+                    files.set("/instrument/length_sigma_um", json!(0.000269));
+                    files.set("/instrument/repeatability_um", json!(0.001));
+                },
+                NO_ANSWER,
+                "error[E303] … contradict each other … noise may be declared in mm: `length_sigma_um` and `repeatability_um` are in µm",
             ),
         ],
     );
@@ -123,7 +132,7 @@ fn wrong_machine() {
                 "target on another axis",
                 |files| files.set("/targets/0/carried_by", json!("X")),
                 NO_ANSWER,
-                "no position of station",
+                "likely cause: target P is carried by Z: correct its `carried_by`; no position of station",
             ),
         ],
     );

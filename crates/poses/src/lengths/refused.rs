@@ -13,6 +13,11 @@ use crate::words::{length_in_words, step_in_words, stop_of};
 pub(crate) const LOOK_AT: &str = "check that every row names its own station and target, that no beam was interrupted, \
                        and that no target or tripod was moved";
 
+/// The same where residuals that are noise contradict what is declared of it by a unit: mm for µm.
+const ASK_UNIT: &str = "that is little for lengths, and noise may be declared in mm: `length_sigma_um` and `repeatability_um` are in µm";
+const A_UNIT: f64 = 100.0;
+const NOISE_MM: f64 = 0.02;
+
 /// Pairs of lengths named before the rest is only counted.
 const MOST_NAMED: usize = 5;
 
@@ -250,7 +255,10 @@ pub(crate) fn contradictory(
             line,
             worst_mm * 1e3
         ),
-        hint: LOOK_AT,
+        hint: match sigma0 > A_UNIT && rms < NOISE_MM {
+            true => ASK_UNIT,
+            false => LOOK_AT,
+        },
     }
 }
 

@@ -1,47 +1,48 @@
-//! Home and targets as in the campaign, compared with the measurement.
+//! Results that show a mistake which no length contradicts.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use trueaxis_campaign::Campaign;
-use trueaxis_kinematics::AxisKind;
-
-use crate::result::calibration::{AxisResult, TargetResult};
 
 /// Difference of a distance between targets from nominal, mm, that is too large for badly set nests.
 const ELSEWHERE_MM: f64 = 10.0;
 
-/// The notice about linear axes that never reach home, to which their results refer.
-pub(crate) fn homes_out_of_reach(campaign: &Campaign, measured: &[AxisResult]) -> Option<String> {
-    let (mut travels, mut point) = (Vec::new(), Vector3::zeros());
-    for axis in measured
-        .iter()
-        .map(|own| &campaign.machine.axes()[own.axis])
-    {
-        let [low, high] = axis.travel();
-        if axis.kind() == AxisKind::Linear && (low > 0.0 || high < 0.0) {
-            travels.push(format!("{} ({low} to {high} mm)", axis.name()));
-            // The point that is at the origin of the frame when the axes are nearest to home.
-            point -= axis.direction().into_inner() * if low > 0.0 { low } else { high };
-        }
-    }
-    if travels.is_empty() {
-        return None;
-    }
-    Some(format!(
-        "the travel of {} does not contain 0, which is home: the errors are zero at the position nearest to it, and \
-         the point that translations and squareness belong to is never where it is said to be; --reference-point \
-         {:.0},{:.0},{:.0} is at the origin of the frame where these axes come nearest to home",
-        travels.join(", "),
-        point.x + 0.0,
-        point.y + 0.0,
-        point.z + 0.0
-    ))
+/// Name of a target and where it was found at home, mm.
+pub type FoundTarget<'a> = (&'a str, Point3<f64>);
+
+/// A common scale of the axes from which on it is said: screws and scales, thermal expansion included, are mostly better.
+const COMMON_SCALE: f64 = 50e-6;
+
+/// Part of their mean by which scales that are alike differ at most.
+const ALIKE: f64 = 0.1;
+
+/// Thermal expansion of steel, 1/K.
+const STEEL_PER_K: f64 = 11.5e-6;
+
+/// The notice about linear axes that are all longer, or shorter, than commanded alike: `scales` are by how much, relative to
+/// their length. Lengths alone do not tell the scale of the instrument from that of the machine.
+pub fn common_scale(scales: &[(&str, f64)]) -> Option<String> {
+    let mean = scales.iter().map(|(_, scale)| scale).sum::<f64>() / scales.len().max(1) as f64;
+    let is_alike = |(_, scale): &(&str, f64)| (scale - mean).abs() < ALIKE * mean.abs();
+    let are_alike = scales.len() > 1 && scales.iter().all(is_alike);
+    let names: Vec<&str> = scales.iter().map(|(name, _)| *name).collect();
+    let side = if mean > 0.0 { "longer" } else { "shorter" };
+    (are_alike && mean.abs() > COMMON_SCALE).then(|| {
+        format!(
+            "axes {} are {side} than commanded by {:.0} ppm alike: rather a scale of the lengths (wavelength, air or unit of the instrument) \
+             than that of {} screws, unless the whole machine is {:+.0} K from where it is right (steel); a known length would tell",
+            names.join(", "),
+            1e6 * mean.abs(),
+            scales.len(),
+            mean / STEEL_PER_K
+        )
+    })
 }
 
 /// The notice about targets of one stage that are not at their nominal positions relative to the others. Nominal
 /// positions of targets on the bed do not matter.
-pub(crate) fn targets_elsewhere(campaign: &Campaign, measured: &[TargetResult]) -> Vec<String> {
-    let places = measured.iter().filter_map(|found| {
-        let target = campaign.targets.iter().find(|t| t.name == found.name)?;
+pub fn targets_elsewhere(campaign: &Campaign, found: &[FoundTarget<'_>]) -> Vec<String> {
+    let places = found.iter().filter_map(|&found| {
+        let target = campaign.targets.iter().find(|t| t.name == found.0)?;
         Some((target.carrier?, target.home_mm, found))
     });
     let mut places: Vec<OnStage<'_>> = places.collect();
@@ -51,13 +52,13 @@ pub(crate) fn targets_elsewhere(campaign: &Campaign, measured: &[TargetResult]) 
 }
 
 /// The carrier of a target, its nominal position, mm, and the measured one.
-type OnStage<'a> = (usize, Point3<f64>, &'a TargetResult);
+type OnStage<'a> = (usize, Point3<f64>, FoundTarget<'a>);
 
 fn elsewhere_on_stage(targets: &[OnStage<'_>]) -> Option<String> {
     let mut wrong = Vec::new();
     for (i, (_, nominal, found)) in targets.iter().enumerate() {
         for (j, (_, other_nominal, other)) in targets.iter().enumerate().skip(i + 1) {
-            let distance_mm = (found.position_mm - other.position_mm).norm();
+            let distance_mm = (found.1 - other.1).norm();
             let difference_mm = distance_mm - (nominal - other_nominal).norm();
             if difference_mm.abs() > ELSEWHERE_MM {
                 wrong.push((i, j, difference_mm));
@@ -67,7 +68,7 @@ fn elsewhere_on_stage(targets: &[OnStage<'_>]) -> Option<String> {
     let largest = wrong.iter().map(|(.., mm)| mm.abs()).fold(0.0, f64::max);
     let in_all = |k: &usize| wrong.iter().all(|(i, j, _)| i == k || j == k);
     let mut suspects = (0..targets.len()).filter(in_all);
-    let name = |k: usize| &targets[k].2.name;
+    let name = |k: usize| targets[k].2.0;
     let who = match (suspects.next(), suspects.next()) {
         _ if wrong.is_empty() => return None,
         (Some(one), None) => format!("target {}", name(one)),
@@ -94,15 +95,28 @@ mod tests {
         ];
         let found = nominal.iter().enumerate().map(|(k, &[x, y, z])| {
             let moved = moved.iter().filter(|(target, _)| *target == k);
-            TargetResult {
-                name: format!("T{k}"),
-                position_mm: Point3::new(x + moved.map(|(_, by)| by).sum::<f64>(), y, z),
-            }
+            let x = x + moved.map(|(_, by)| by).sum::<f64>();
+            (["T0", "T1", "T2", "T3"][k], Point3::new(x, y, z))
         });
-        let found: Vec<TargetResult> = found.collect();
-        let targets = nominal.iter().zip(&found);
+        let targets = nominal.iter().zip(found);
         let targets = targets.map(|(&nominal, found)| (0, Point3::from(nominal), found));
         elsewhere_on_stage(&targets.collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn axes_that_are_longer_alike_are_named() {
+        let of = |scales: [f64; 3]| {
+            common_scale(&[("X", scales[0]), ("Y", scales[1]), ("Z", scales[2])])
+        };
+        let said = of([1.0e-3, 1.01e-3, 0.99e-3]).unwrap();
+        assert!(
+            said.contains("longer than commanded by 1000 ppm") && said.contains("+87 K"),
+            "{said}"
+        );
+        assert!(of([-1.0e-3; 3]).unwrap().contains("shorter"));
+        assert_eq!(of([4e-5; 3]), None);
+        assert_eq!(of([1e-3, 1e-3, 0.7e-3]), None);
+        assert_eq!(common_scale(&[("X", 1e-3)]), None);
     }
 
     #[test]
