@@ -66,6 +66,7 @@ pub(crate) fn too_few_targets(campaign: &Campaign, step: usize, found: usize) ->
              component errors",
             step_in_words(campaign, step),
         ),
-        "measure the missing targets there, or leave out the rows of this step",
+        "measure the missing targets there, or leave out the rows of this step; where it moves more of them than the campaign says, \
+         correct their `carried_by`",
     )
 }

@@ -271,12 +271,8 @@ fn made(campaign: &Campaign) -> Vec<Made> {
         let of_table = |target: &&mut Target| target.carrier == end(&campaign.machine);
         let target = carried.targets.iter_mut().find(of_table).unwrap();
         target.carrier = Some(table[0]);
-        let words = format!(
-            "target {} is carried by {}",
-            target.name,
-            names[names.len() - 1]
-        );
-        add("carrier of a target", carried, &[&words]);
+        let words = ["2 of the targets that", "correct their `carried_by`"];
+        add("carrier of a target", carried, &words);
     }
     // A table that tilts stood tilted when the nominal positions were taken.
     if let Some(tilt) = campaign
