@@ -116,10 +116,10 @@ fn compared(
     let base = &listed.base;
     let test = |model: &Projection| test(model, noise_dof);
     let is_left = |model: &Projection| test(model).p_value < MISFIT_LEVEL;
-    let mut found = Among::all(&listed, CAUSE_LEVEL).after(Vec::new());
-    if !may_be_named {
-        found.clear();
-    }
+    let found = match may_be_named {
+        true => Among::all(&listed, CAUSE_LEVEL).after(Vec::new()),
+        false => Vec::new(),
+    };
     let mut after = listed.with(&found);
     let is_left = is_left(&after);
     let structure = base.squares() - base.degrees_of_freedom;

@@ -18,6 +18,7 @@ use trueaxis_multilateration::{CHECKED_TOL, Network, Solution, Visit, Whitened};
 
 use crate::screened::Screened;
 use crate::step_tests::largest_steps;
+use crate::uneven::place_of;
 
 /// Instants that are tried for each target, from each station and from all.
 const INSTANTS: usize = 128;
@@ -134,12 +135,7 @@ fn visits(
 ) -> Vec<Columns> {
     let mut unit = Vec::new();
     let of_visit = |(number, visit): (usize, &Visit)| {
-        let placed = network
-            .bodies
-            .as_deref()
-            .map(|bodies| &bodies.of_groups[visit.group]);
-        let placed = placed.filter(|placed| placed.body == Some(body))?;
-        let of_place = |i: &usize| placed.places[network.readings[*i].point] == place;
+        let of_place = |i: &usize| place_of(network, number, *i) == Some((body, place));
         let readings = visit.readings.clone().filter(of_place).collect::<Vec<_>>();
         let mut of_rows = vec![RowVector3::zeros(); visit.readings.len()];
         for &reading in &readings {

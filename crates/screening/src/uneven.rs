@@ -20,7 +20,8 @@ use trueaxis_multilateration::{Network, Solution, solve_from};
 use crate::estimate_noise::estimate_noise;
 use crate::returns::Sweep;
 use crate::uneven::parts::parts;
-use crate::uneven::targets::{place_of, ratio_of_target, uneven_targets};
+pub(crate) use crate::uneven::targets::place_of;
+use crate::uneven::targets::{ratio_of_target, uneven_targets};
 
 /// Median of the amount of a standard normal variable.
 const MEDIAN: f64 = 0.674_489_75;
@@ -57,7 +58,14 @@ pub struct Uneven {
     pub ratio: f64,
     /// Its logarithm in standard deviations.
     plain: f64,
+    /// The visits that read them, ascending.
     visits: Vec<usize>,
+}
+
+impl Uneven {
+    fn has(&self, visit: usize) -> bool {
+        self.visits.binary_search(&visit).is_ok()
+    }
 }
 
 /// Gives lengths that scatter more than the others the factor on the variance of their own noise that explains it, and the solution with
@@ -129,8 +137,8 @@ fn ratio_to_rest(
         let count = squares.len();
         Scatter::of(squares, count)
     };
-    let rest = scatter(&|visit| uneven.iter().all(|own| !own.visits.contains(visit)))?;
-    let own = scatter(&|visit| own.visits.contains(visit))?;
+    let rest = scatter(&|visit| uneven.iter().all(|own| !own.has(*visit)))?;
+    let own = scatter(&|visit| own.has(*visit))?;
     (rest.variance > 0.0).then_some(own.variance / rest.variance)
 }
 
@@ -147,7 +155,7 @@ pub fn uneven_lengths(network: &Network, solution: &Solution) -> Vec<Uneven> {
     let mut of_stations: Vec<Vec<usize>> = stations.map(|j| visits_of(network, j)).collect();
     let mut all = parts(network, &of_stations, w);
     for own in &mut of_stations {
-        own.retain(|visit| all.iter().all(|part| !part.visits.contains(visit)));
+        own.retain(|visit| all.iter().all(|part| !part.has(*visit)));
     }
     let scatter = |own: &Vec<usize>| Scatter::of(changes(network, own, w), own.len());
     let scatters: Vec<Option<Scatter>> = of_stations.iter().map(scatter).collect();

@@ -9,7 +9,7 @@ use trueaxis_screening::solve_as_a_set;
 
 use crate::Error;
 use crate::lengths::adjustment::LengthsAdjustment;
-use crate::lengths::network::Group;
+use crate::lengths::network::{Group, target_at};
 use crate::lengths::refused::adjustment_error;
 use crate::lengths::scale::{Scale, ScaleResult, at_scale};
 use crate::lengths::shared_sources::SharedSources;
@@ -50,7 +50,9 @@ impl LengthsAdjustment<'_> {
         };
         let shapes = solution.shapes_mm.iter().zip(&centres).enumerate();
         let bodies = shapes.map(|(body, (home_mm, centre))| TargetBody {
-            targets: self.targets_of(body, home_mm),
+            targets: (0..home_mm.len())
+                .map(|place| target_at(network, &self.groups, (body, place)).unwrap_or(0))
+                .collect(),
             home_mm: home_mm
                 .iter()
                 .map(|h| centre + (h - centre) / (1.0 + value))
@@ -80,21 +82,6 @@ impl LengthsAdjustment<'_> {
             instrument,
             relative_covariance: self.screened.noise.relative_covariance,
         })
-    }
-
-    /// The targets of a body, in its order.
-    pub(crate) fn targets_of(&self, body: usize, home_mm: &[Point3<f64>]) -> Vec<usize> {
-        let mut targets = vec![0; home_mm.len()];
-        let bodies = self.screened.network.bodies.iter();
-        let placed = bodies.flat_map(|bodies| &bodies.of_groups);
-        for (placed, group) in placed.zip(&self.groups) {
-            if placed.body == Some(body) {
-                for (&place, &target) in placed.places.iter().zip(&group.targets) {
-                    targets[place] = target;
-                }
-            }
-        }
-        targets
     }
 
     /// Why a group that the axis under test moves has no body.

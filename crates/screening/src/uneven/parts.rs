@@ -60,7 +60,7 @@ pub(super) fn parts(
         // What scatters a little beyond its ends does more harm than what weighs less there; y is of two visits.
         let first = all[range.start.saturating_sub(BEYOND)].0.saturating_sub(1);
         let last = all[(range.end - 1 + BEYOND).min(all.len() - 1)].0;
-        let is_new = |visit: &usize| parts.iter().all(|part| !part.visits.contains(visit));
+        let is_new = |visit: &usize| parts.iter().all(|part| !part.has(*visit));
         let own: Vec<usize> = (first..=last).filter(is_new).collect();
         all.retain(|(visit, _)| !(first..=last).contains(visit));
         let mut stations: Vec<usize> = own.iter().map(|&visit| of(visit)).collect();

@@ -34,7 +34,7 @@ pub(super) fn ratio_of_target(
 }
 
 /// The target that a reading of a visit was taken to.
-pub(super) fn place_of(network: &Network, visit: usize, reading: usize) -> Option<(usize, usize)> {
+pub(crate) fn place_of(network: &Network, visit: usize, reading: usize) -> Option<(usize, usize)> {
     let bodies = network.bodies.as_deref()?;
     let placed = &bodies.of_groups[network.visits[visit].group];
     Some((placed.body?, placed.places[network.readings[reading].point]))
@@ -47,16 +47,18 @@ fn scatters(
     places: usize,
     w: &impl Fn(usize) -> f64,
 ) -> Vec<Option<Scatter>> {
+    let stations = 0..network.stations.len();
+    let of_stations: Vec<Vec<usize>> = stations.map(|j| visits_of(network, j)).collect();
     let of_place = |place: usize| {
         let own_w = |visit: usize| -> Vec<f64> {
             let readings = network.visits[visit].readings.clone();
             let own = readings.filter(|&i| place_of(network, visit, i) == Some((body, place)));
             own.map(w).collect()
         };
-        let stations = 0..network.stations.len();
-        let squares: Vec<f64> = stations
-            .flat_map(|j| changes(network, &visits_of(network, j), own_w))
-            .collect();
+        let squares = of_stations
+            .iter()
+            .flat_map(|visits| changes(network, visits, own_w));
+        let squares: Vec<f64> = squares.collect();
         let count = squares.len();
         Scatter::of(squares, count)
     };

@@ -109,7 +109,8 @@ impl<'s, 'a> Among<'s, 'a> {
         let leader = simplest(listed, beside, &possible, level)?;
         let leader = plain(listed, beside, &possible, leader);
         let is_of_time = listed.candidate(beside, leader).hypothesis.is_of_time();
-        // Another time constant explains more once both are sought together, and is judged then.
+        // A second cause in time must be plain beside the first; another time constant explains more once both are
+        // sought together, and is judged then.
         let is_second = of_time.contains(&beside.numbers[leader.scan]);
         let level = match is_of_time && !of_time.is_empty() && (own.is_some() || !is_second) {
             true => level.min(SECOND_OF_TIME),
