@@ -10,7 +10,7 @@ use trueaxis_calibrate::{
     RelativeLocation,
 };
 use trueaxis_campaign::{Campaign, Lengths};
-use trueaxis_files::{counted, point_mm, round, told_behind};
+use trueaxis_files::{counted, p_value, point_mm, round, told_behind};
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
 use trueaxis_predict::{Output, coverage_factor};
 
@@ -323,7 +323,7 @@ fn misfits(calibration: &Calibration) -> Vec<String> {
                 misfit.rms_um,
                 misfit.chi_squared,
                 counted(misfit.degrees_of_freedom, "degree"),
-                probability(misfit.p_value)
+                p_value(misfit.p_value)
             )
         }));
     }
@@ -342,16 +342,6 @@ pub(crate) fn first_ones<T>(
         lines.push(format!("  and {more} more{elsewhere}"));
     }
     lines
-}
-
-pub(crate) fn probability(p: f64) -> String {
-    if p < 1e-300 {
-        "p < 1e-300".to_owned()
-    } else if p < 1e-3 {
-        format!("p = {p:.0e}")
-    } else {
-        format!("p = {p:.3}")
-    }
 }
 
 /// A result as a sentence.

@@ -6,7 +6,7 @@ use trueaxis_compensate::{
     Circular, EXPECTED_ABOVE_ONE, ParallelLines, Point, Positioning, Verified, parallel_lines,
     verification_json, verify, verify_notices,
 };
-use trueaxis_files::counted;
+use trueaxis_files::{counted, p_value};
 use trueaxis_kinematics::ARCSEC;
 use trueaxis_predict::CalibratedMachine;
 
@@ -16,7 +16,6 @@ use crate::exit::Exit;
 use crate::other_machine::placed;
 use crate::output::replaced;
 use crate::predict::source;
-use crate::summary::probability;
 use crate::talk::{notice_all, say_all};
 use crate::traceability::{of_calibration, traced};
 
@@ -129,7 +128,7 @@ fn lines(entry: &Verified, is_compensated: bool) -> Vec<String> {
             EXPECTED_ABOVE_ONE * all as f64,
             entry
                 .p_value
-                .map_or_else(String::new, |p| format!("; {}", probability(p))),
+                .map_or_else(String::new, |p| format!("; {}", p_value(p))),
             if entry.is_misfit() {
                 "more than chance"
             } else {

@@ -166,10 +166,7 @@ impl Cause {
     /// The note that its sizes in several data differ by more than chance.
     pub fn note(&self) -> Option<String> {
         let p_value = self.sizes_p_value.filter(|p| *p < SIZES_DIFFER)?;
-        let p_value = match p_value > 1e-300 {
-            true => format!("p = {p_value:.1e}"),
-            false => "p < 1e-300".to_owned(),
-        };
+        let p_value = trueaxis_files::p_value(p_value);
         Some(format!(
             "its sizes in the data scatter about the common one by more than chance ({p_value}), though by less than a tenth \
              (rms); U of the common size follows from this scatter"

@@ -208,7 +208,7 @@ impl AdjustmentReport {
             let notice = format!(
                 "the residuals are {sigma0:.2} times what the declared noise explains ({}): the model or the \
                  declared noise is wrong; {consequence}",
-                p_in_words(p_value)
+                trueaxis_files::p_value(p_value)
             );
             let lost_motion = "positions were approached from both sides: lost motion makes such \
                                residuals; --by-direction gives each side curves of its own";
@@ -255,19 +255,11 @@ impl AdjustmentReport {
                     declared_mm / MICROMETRE,
                     used.sigma_mm / MICROMETRE,
                     2.0 * used.u_mm / MICROMETRE,
-                    p_in_words(p_value)
+                    trueaxis_files::p_value(p_value)
                 ));
             }
         }
         notices
-    }
-}
-
-/// A p-value in words, as it may be too small for a number.
-pub(crate) fn p_in_words(p_value: f64) -> String {
-    match p_value < f64::MIN_POSITIVE {
-        true => "p below 1e-300".to_owned(),
-        false => format!("p = {p_value:.0e}"),
     }
 }
 

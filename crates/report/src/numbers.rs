@@ -64,27 +64,25 @@ pub(crate) fn rough(value: f64) -> String {
     }
 }
 
-/// A probability: `0.42`, `3·10⁻¹²`, `below 10⁻³⁰⁰`.
-pub(crate) fn probability(p: f64) -> String {
-    match p {
-        p if p < f64::MIN_POSITIVE => "below 10⁻³⁰⁰".to_owned(),
-        p if p < 1e-3 => {
-            let text = format!("{p:.0e}");
-            let (digit, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-            let raised = exponent.chars().map(|c| match c.to_digit(10) {
-                Some(digit) => SUPERSCRIPTS[digit as usize],
-                None => '⁻',
-            });
-            format!("{digit}·10{}", raised.collect::<String>())
-        }
-        p => fixed(p, 3),
-    }
+/// A p-value as an equation, as it is typeset: `p = 0.042`, `p = 3·10⁻¹²`, `p < 10⁻³⁰⁰`.
+pub(crate) fn p_value(p: f64) -> String {
+    let text = trueaxis_files::p_value(p);
+    let Some((digits, exponent)) = text.split_once('e') else {
+        return text;
+    };
+    let raised = exponent.chars().map(|c| match c.to_digit(10) {
+        Some(digit) => SUPERSCRIPTS[digit as usize],
+        None => '⁻',
+    });
+    let digits = digits
+        .strip_suffix("< 1")
+        .map_or_else(|| format!("{digits}·10"), |p| format!("{p}< 10"));
+    digits + &raised.collect::<String>()
 }
 
-/// The same as an equation: `p = 0.42`, `p below 10⁻³⁰⁰`.
-pub(crate) fn p_value(p: f64) -> String {
-    let is = if p < f64::MIN_POSITIVE { "" } else { "= " };
-    format!("p {is}{}", probability(p))
+/// The same without its name: `0.042`, `3·10⁻¹²`, `below 10⁻³⁰⁰`.
+pub(crate) fn probability(p: f64) -> String {
+    p_value(p).replace("p < ", "below ").replace("p = ", "")
 }
 
 const SUPERSCRIPTS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
@@ -106,11 +104,12 @@ mod tests {
 
     #[test]
     fn numbers_as_people_write_them() {
-        assert_eq!(probability(0.4168), "0.417");
-        assert_eq!(probability(3.4e-12), "3·10⁻¹²");
-        assert_eq!(probability(0.0), "below 10⁻³⁰⁰");
         assert_eq!(p_value(0.4168), "p = 0.417");
-        assert_eq!(p_value(0.0), "p below 10⁻³⁰⁰");
+        assert_eq!(p_value(3.4e-12), "p = 3·10⁻¹²");
+        assert_eq!(p_value(1e-15), "p = 1·10⁻¹⁵");
+        assert_eq!(p_value(0.0), "p < 10⁻³⁰⁰");
+        assert_eq!(probability(0.4168), "0.417");
+        assert_eq!(probability(0.0), "below 10⁻³⁰⁰");
         assert_eq!(
             [signed(0.0, 1), signed(-0.01, 1), signed(0.26, 1)],
             ["0.0", "0.0", "+0.3"]

@@ -79,7 +79,7 @@ fn contradicting_runs(axis: &AxisResult) -> Option<String> {
     let (size, unit) = unit_of(runs.component);
     let at = place(axis, runs.position);
     Some(format!(
-        "axis {}: runs {} contradict each other, {} at {at} by {:.2}{unit} (p = {:.0e}): its curves are their \
+        "axis {}: runs {} contradict each other, {} at {at} by {:.2}{unit} ({}): its curves are their \
          weighted mean with {:.1} times the U that the noise makes, and U of all location errors contains how the \
          lines of the runs differ; its errors depend on where the other axes stand, or changed \
          between the runs: calibrate the runs one at a time and compare",
@@ -87,7 +87,7 @@ fn contradicting_runs(axis: &AxisResult) -> Option<String> {
         runs.runs.join(", "),
         runs.component.name(&axis.name),
         runs.difference / size,
-        runs.p_value,
+        trueaxis_files::p_value(runs.p_value),
         runs.birge_ratio()
     ))
 }

@@ -1,12 +1,12 @@
 //! How the measurement was adjusted, as the table says it.
 
 use trueaxis_calibrate::Calibration;
-use trueaxis_files::round;
+use trueaxis_files::{p_value, round};
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_poses::{NoiseReport, PartReport, ScaleBasis};
 use trueaxis_predict::coverage_factor;
 
-use crate::summary::{COVERAGE, MOST_LISTED, first_ones, named, probability};
+use crate::summary::{COVERAGE, MOST_LISTED, first_ones, named};
 
 /// How the measurement was adjusted, and with which noise.
 pub(crate) fn adjustment(calibration: &Calibration) -> Vec<String> {
@@ -27,7 +27,7 @@ pub(crate) fn adjustment(calibration: &Calibration) -> Vec<String> {
         format!(
             "{}rms residual {:.2} µm; {}",
             match a.noise_declared {
-                true => format!("sigma0 {:.3} ({}), ", a.sigma0, probability(a.p_value)),
+                true => format!("sigma0 {:.3} ({}), ", a.sigma0, p_value(a.p_value)),
                 false => String::new(),
             },
             a.rms_residual_mm / MICROMETRE,

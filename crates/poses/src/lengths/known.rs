@@ -124,11 +124,11 @@ impl LengthsAdjustment<'_> {
 impl KnownMisfit {
     fn notice(&self) -> String {
         format!(
-            "{} is {:+.1} µm from what the lengths and all else that is known say (p = {:.0e}): it is not used \
+            "{} is {:+.1} µm from what the lengths and all else that is known say ({}): it is not used \
              unless nothing tells which of two is wrong; check its number in campaign.json",
             self.what,
             self.difference_mm / MICROMETRE,
-            self.p_value
+            trueaxis_files::p_value(self.p_value)
         )
     }
 }

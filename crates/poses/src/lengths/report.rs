@@ -11,7 +11,7 @@ use crate::lengths::network::target_at;
 use crate::lengths::uneven::uneven_in_words;
 use crate::report::{
     AdjustmentReport, InterruptedOccupation, NoiseReport, PartReport, RejectedLength,
-    approached_from_both_sides, p_in_words,
+    approached_from_both_sides,
 };
 use crate::words::{length_in_words, step_in_words, stop_of};
 
@@ -123,7 +123,7 @@ impl LengthsAdjustment<'_> {
                  {:.1} times those of the noise, but what moves or warms up in the course of a campaign may do more; `trueaxis diagnose` \
                  looks for it",
                 alike.ratio,
-                p_in_words(alike.p_value),
+                trueaxis_files::p_value(alike.p_value),
                 alike.factor
             )
         })
@@ -136,7 +136,7 @@ impl LengthsAdjustment<'_> {
                 "what the model leaves of the lengths changes slowly from step to step (correlation {:.2}; {}): something drifts or slipped, or the air \
                  stirs; U of squareness and location is {:.1} times that of independent errors; `trueaxis diagnose` looks for it",
                 slow.correlation,
-                p_in_words(slow.p_value),
+                trueaxis_files::p_value(slow.p_value),
                 slow.ratio.sqrt()
             )
         })
@@ -192,7 +192,7 @@ impl LengthsAdjustment<'_> {
             slip.moved_mm.norm() / MICROMETRE,
             slip.u_mm / MICROMETRE,
             seen.unwrap_or_default(),
-            p_in_words(slip.p_value)
+            trueaxis_files::p_value(slip.p_value)
         ))
     }
 

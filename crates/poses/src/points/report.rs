@@ -9,9 +9,7 @@ use crate::points::MeasuredPoints;
 use crate::points::equations::PointPoses;
 use crate::points::noise_shown::NoiseShown;
 use crate::points::rigidity;
-use crate::report::{
-    AdjustmentReport, GLOBAL_TEST_LEVEL, MANY, approached_from_both_sides, p_in_words,
-};
+use crate::report::{AdjustmentReport, GLOBAL_TEST_LEVEL, MANY, approached_from_both_sides};
 
 /// The report of measured points and their poses, with the notices for the user.
 pub(crate) fn points_report(
@@ -63,7 +61,7 @@ pub(crate) fn points_report(
             notices.push(format!(
                 "repeated points scatter {factor:.2} times as much as sigma_um and the repeatability of the \
                  machine explain ({}): all uncertainties are multiplied by {factor:.2} at least",
-                p_in_words(p_value)
+                trueaxis_files::p_value(p_value)
             ));
         }
         if factor > report.uncertainty_factor {
@@ -86,7 +84,7 @@ pub(crate) fn points_report(
     match (campaign.instrument.repeatability_um, shown.p_value) {
         (Some(declared_um), Some(p_value)) => notices.push(format!(
             "repeatability_um is declared as {declared_um:.2}, but {returns}: uncertainties contain the latter ({})",
-            p_in_words(p_value)
+            trueaxis_files::p_value(p_value)
         )),
         (None, _) if returns_mm > 0.0 => {
             notices.push(format!("repeatability_um is not declared: {returns}"));
