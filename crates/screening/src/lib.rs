@@ -70,6 +70,6 @@ pub use screened::{Jump, Removed, Screened, WanderingZero};
 pub use slip::{Slip, Slips};
 pub use slow::{Slow, slow};
 pub use uneven::{
-    MoreScatter, Scatter, Uneven, Whose, uneven, uneven_axes, uneven_lengths, weigh_uneven,
+    LessWeight, MoreScatter, Scatter, Weighed, Whose, uneven, uneven_axes, weigh_uneven,
 };
 pub use unnoticed::Unnoticed;

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use trueaxis_multilateration::{Network, Solution, Tests, solve};
+use trueaxis_multilateration::{Network, Noise, Solution, Tests, solve};
 
 use crate::Error;
 use crate::estimate_noise::{NoiseEstimate, estimate_noise};
+use crate::uneven::{LessWeight, weigh_uneven};
 
 /// A network that was cleaned and solved.
 #[derive(Debug, Clone)]
@@ -94,13 +95,39 @@ impl Screened {
         network
             .interruptions
             .clone_from(&found.network.interruptions);
-        Ok(Self {
-            removed: found.removed.clone(),
-            jumps: found.jumps.clone(),
-            wandering: found.wandering.clone(),
-            settled: found.settled,
-            ..Self::adjusted(network, kept, declared)?
-        })
+        Ok(found.found_in(Self::adjusted(network, kept, declared)?))
+    }
+
+    /// The same with less weight for lengths that scatter more than the others, and which they are; `None` if there are
+    /// none. The noise is estimated again; `given` is that of the campaign.
+    ///
+    /// # Errors
+    /// Those of the adjustment.
+    pub fn weighed(
+        &self,
+        given: Noise,
+        declared: bool,
+    ) -> Result<Option<(Self, Vec<LessWeight>)>, Error> {
+        let Some(weighed) = weigh_uneven(&self.network, &self.solution, declared)? else {
+            return Ok(None);
+        };
+        let network = Network {
+            noise: given,
+            ..weighed.network
+        };
+        let found = self.found_in(Self::adjusted(network, self.kept.clone(), declared)?);
+        Ok(Some((found, weighed.uneven)))
+    }
+
+    /// What was found here in another adjustment of the same readings.
+    fn found_in(&self, adjusted: Self) -> Self {
+        Self {
+            removed: self.removed.clone(),
+            jumps: self.jumps.clone(),
+            wandering: self.wandering.clone(),
+            settled: self.settled,
+            ..adjusted
+        }
     }
 
     fn adjusted(mut network: Network, kept: Vec<usize>, declared: bool) -> Result<Self, Error> {

@@ -51,11 +51,11 @@ pub enum Whose {
 
 /// Lengths that plainly scatter more than the others.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Uneven {
+struct Uneven {
     /// What they have in common.
-    pub whose: Whose,
+    whose: Whose,
     /// Ratio of the variances of w.
-    pub ratio: f64,
+    ratio: f64,
     /// Its logarithm in standard deviations.
     plain: f64,
     /// The visits that read them, ascending.
@@ -68,19 +68,40 @@ impl Uneven {
     }
 }
 
-/// Gives lengths that scatter more than the others the factor on the variance of their own noise that explains it, and the solution with
-/// them; whose they are. `declared` says whether the network's noise is more than a guess.
+/// A network in which lengths that scatter more than the others have the factor on the variance of their own noise that
+/// explains it.
+#[derive(Debug, Clone)]
+pub struct Weighed {
+    /// The network with these factors.
+    pub network: Network,
+    /// Its solution.
+    pub solution: Solution,
+    /// Which lengths have a factor.
+    pub uneven: Vec<LessWeight>,
+}
+
+/// Lengths with less weight.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LessWeight {
+    /// What they have in common.
+    pub whose: Whose,
+    /// The factor on the variance of their own noise.
+    pub factor: f64,
+}
+
+/// Gives lengths that scatter more than the others less weight; `None` if there are none. `declared` says whether the
+/// network's noise is more than a guess.
 ///
 /// # Errors
 /// Those of [`solve_from`].
 pub fn weigh_uneven(
-    network: &mut Network,
-    solution: &mut Solution,
+    network: &Network,
+    solution: &Solution,
     declared: bool,
-) -> Result<Vec<Whose>, trueaxis_multilateration::Error> {
+) -> Result<Option<Weighed>, trueaxis_multilateration::Error> {
     let uneven = uneven_lengths(network, solution);
     if uneven.is_empty() {
-        return Ok(Vec::new());
+        return Ok(None);
     }
     let mut factors: Vec<f64> = uneven.iter().map(|own| own.ratio).collect();
     let mut weighed = network.clone();
@@ -108,12 +129,23 @@ pub fn weigh_uneven(
         }
     }
     let weighed = uneven.iter().zip(&factors).filter(|(_, f)| **f > 1.0);
-    let whose: Vec<Whose> = weighed.map(|(own, _)| own.whose.clone()).collect();
-    if !whose.is_empty() {
-        network.variance_factors = factors_of_readings(network, &uneven, &factors);
-        *solution = solve_from(network, solution)?;
+    let own = weighed.map(|(own, &factor)| LessWeight {
+        whose: own.whose.clone(),
+        factor,
+    });
+    let own: Vec<LessWeight> = own.collect();
+    if own.is_empty() {
+        return Ok(None);
     }
-    Ok(whose)
+    let network = Network {
+        variance_factors: factors_of_readings(network, &uneven, &factors),
+        ..network.clone()
+    };
+    Ok(Some(Weighed {
+        solution: solve_from(&network, solution)?,
+        network,
+        uneven: own,
+    }))
 }
 
 /// Ratio of the variance of w of some lengths to that of those that do not scatter more.
@@ -144,7 +176,7 @@ fn ratio_to_rest(
 
 /// Lengths that plainly scatter more than the others: to targets, or of stations and parts of the campaign. Each makes
 /// the other seem uneven: the noise of a target shows more from some stations than from others.
-pub fn uneven_lengths(network: &Network, solution: &Solution) -> Vec<Uneven> {
+fn uneven_lengths(network: &Network, solution: &Solution) -> Vec<Uneven> {
     let tests = solution.tests(network);
     let w_of = |reading: usize| tests.readings[reading].w;
     let w = |visit: usize| -> Vec<f64> {

@@ -7,7 +7,7 @@ use trueaxis_poses::{
     CampaignNetwork, Group, LengthCircumstances as Reading, LengthsAdjustment, Method, Observation,
     length_circumstances, network_from_campaign, scene_of, temperature_histories,
 };
-use trueaxis_screening::{Removed, Whose, solve_as_a_set, weigh_uneven};
+use trueaxis_screening::{LessWeight, Removed, Weighed, solve_as_a_set, weigh_uneven};
 use trueaxis_selection::Hypothesis;
 
 use crate::Error;
@@ -33,7 +33,7 @@ pub(crate) struct Base<'a> {
     /// Readings that were left out as gross errors.
     pub(crate) left_out: Vec<LeftOut>,
     /// What lengths have in common that scatter more than the others, and have less weight.
-    pub(crate) uneven: Vec<Whose>,
+    pub(crate) uneven: Vec<LessWeight>,
     /// Disturbances in the covariance of the lengths.
     pub(crate) disturbances: Vec<Disturbance>,
     /// First and last time of all lengths, s.
@@ -81,7 +81,14 @@ impl<'a> Base<'a> {
         let (mut network, kept) = network.without(&numbers);
         let mut start = solve_as_a_set(&mut network, near)?;
         let declared = campaign.instrument.declares_noise();
-        let uneven = weigh_uneven(&mut network, &mut start, declared)?;
+        let mut uneven = Vec::new();
+        if let Some(weighed) = weigh_uneven(&network, &start, declared)? {
+            Weighed {
+                network,
+                solution: start,
+                uneven,
+            } = weighed;
+        }
         let readings = length_circumstances(campaign, lengths, &network, &groups, &kept);
         Ok(Self {
             span_s: extremes(readings.iter().map(|r| r.time_s)),

@@ -183,10 +183,8 @@ fn notices(base: &Base<'_>) -> Vec<String> {
             lines.join(", ")
         ));
     }
-    notices.extend(base.uneven.iter().map(|whose| {
-        let how = "scatter more than the others and weigh less here";
-        uneven_in_words(whose, how, base.campaign, (&base.network, &base.groups))
-    }));
+    let words = |own| uneven_in_words(own, base.campaign, (&base.network, &base.groups));
+    notices.extend(base.uneven.iter().map(words));
     let times = || base.readings.iter().map(|r| r.time_s);
     if times().all(|t| Some(t) == times().next()) {
         notices.push(

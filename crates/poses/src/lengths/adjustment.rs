@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use trueaxis_campaign::{Campaign, Direction, Lengths};
 use trueaxis_kinematics::MICROMETRE;
-use trueaxis_multilateration::{Network, Whitened};
+use trueaxis_multilateration::{Network, Noise, Whitened};
 use trueaxis_screening::{
     Alike, Screened, Slow, adjust_as_a_set, alike, scaled, screen_unless, slow,
 };
@@ -16,6 +16,7 @@ use crate::lengths::refused::{contradictory, screening_error};
 use crate::lengths::returns::axes_of;
 use crate::lengths::scale::Scale;
 use crate::lengths::side_by_side::{side_by_side, sides_alone};
+use crate::lengths::uneven::uneven_in_words;
 use crate::report::KnownMisfit;
 use crate::settings::{Method, Settings};
 
@@ -115,7 +116,7 @@ impl<'a> LengthsAdjustment<'a> {
         };
         let mut notices = adjustment.check(!ratios.is_empty())?;
         notices.extend(adjustment.returns(&ratios));
-        notices.extend(adjustment.uneven());
+        notices.extend(adjustment.weigh(network.noise)?);
         adjustment.widen()?;
         adjustment.take_known(bodies)?;
         Ok((adjustment, notices))
@@ -147,6 +148,25 @@ impl<'a> LengthsAdjustment<'a> {
             self.check_targets()?;
         }
         Ok(weak)
+    }
+
+    /// Gives lengths that scatter more than the others less weight, and says whose they are. A diagnosis, which does not
+    /// split occupations, weighs its own.
+    fn weigh(&mut self, given: Noise) -> Result<Vec<String>, Error> {
+        if self.settings.asks_why || !self.settings.robust {
+            return Ok(Vec::new());
+        }
+        let declared = self.campaign.instrument.declares_noise();
+        let words = |error| screening_error(self.campaign, self.lengths, &self.groups, error);
+        let weighed = self.screened.weighed(given, declared).map_err(words)?;
+        let Some((screened, uneven)) = weighed else {
+            return Ok(Vec::new());
+        };
+        let of = (&screened.network, &*self.groups);
+        let in_words = |own| uneven_in_words(own, self.campaign, of);
+        let notices = uneven.iter().map(in_words).collect();
+        self.screened = screened;
+        Ok(notices)
     }
 
     /// Where repeats agree better with each other than with the model, U contains what they have in common. Nothing is

@@ -2,21 +2,15 @@
 
 use trueaxis_kinematics::{ARCSEC, Axis, MICROMETRE};
 use trueaxis_leastsquares::chi_squared_upper_tail;
-use trueaxis_screening::{
-    AxisReturn, Jump, NoiseBasis, PartEstimate, Slip, WanderingZero, slow, uneven_lengths,
-};
+use trueaxis_screening::{AxisReturn, Jump, NoiseBasis, PartEstimate, Slip, WanderingZero, slow};
 
 use crate::lengths::LengthsAdjustment;
 use crate::lengths::network::target_at;
-use crate::lengths::uneven::uneven_in_words;
 use crate::report::{
     AdjustmentReport, InterruptedOccupation, NoiseReport, PartReport, RejectedLength,
     approached_from_both_sides,
 };
 use crate::words::{length_in_words, step_in_words, stop_of};
-
-/// Ratio of the variances of two stations or targets from which on U is wrong by much.
-const TWICE: f64 = 2.0;
 
 /// Standard uncertainties by which a result may be wrong unnoticed before a notice says so.
 const HARMFUL: f64 = 3.0;
@@ -236,22 +230,6 @@ impl LengthsAdjustment<'_> {
             )
         });
         said.chain(uneven).collect()
-    }
-
-    /// Lengths that scatter more than the others.
-    pub(crate) fn uneven(&self) -> Vec<String> {
-        let uneven = uneven_lengths(&self.screened.network, &self.screened.solution);
-        let plainly = uneven.iter().filter(|own| own.ratio > TWICE);
-        let said = plainly.map(|own| {
-            let how = format!(
-                "scatter {:.1} times as much as the others, but all have the same weight: U is too small for what \
-                 depends on them",
-                own.ratio.sqrt()
-            );
-            let network = &self.screened.network;
-            uneven_in_words(&own.whose, &how, self.campaign, (network, &self.groups))
-        });
-        said.collect()
     }
 
     /// The name of the target at a place of a body.

@@ -2,14 +2,13 @@
 
 use trueaxis_campaign::Campaign;
 use trueaxis_multilateration::Network;
-use trueaxis_screening::Whose;
+use trueaxis_screening::{LessWeight, Whose};
 
 use crate::lengths::network::{Group, target_at};
 
-/// A notice about them, with what to look at: `target K: its lengths …: see whether …`.
+/// A notice about them and the factor on the variance of their noise, with what to look at.
 pub fn uneven_in_words(
-    whose: &Whose,
-    how: &str,
+    own: &LessWeight,
     campaign: &Campaign,
     (network, groups): (&Network, &[Group]),
 ) -> String {
@@ -19,7 +18,7 @@ pub fn uneven_in_words(
     };
     let of_station = "see whether the tripod stood firmly and what passed through the beam";
     let of_target = "see whether its reflector is clean and whole and sits firmly in its nest";
-    let (which, advice) = match whose {
+    let (which, advice) = match &own.whose {
         Whose::Station(station) => (format!("station {}: its", names(&[*station])), of_station),
         Whose::Part(stations) => (format!("station {}: many", names(stations)), of_station),
         Whose::Target(place) => {
@@ -28,5 +27,8 @@ pub fn uneven_in_words(
             (format!("target {name}: its"), of_target)
         }
     };
-    format!("{which} lengths {how}; {advice}")
+    format!(
+        "{which} lengths scatter {:.1} times as much as the others, and weigh less by that; {advice}",
+        own.factor.sqrt()
+    )
 }
