@@ -53,7 +53,7 @@ fn every_format_writes_its_files() {
             true,
         ),
         ("marlin", &["skew.gcode"], false),
-        ("klipper", &["skew.cfg"], false),
+        ("klipper", &["skew.gcode"], false),
     ] {
         let at = [&at[..], sign_of(format)].concat();
         let outcome = export(&folder, format, &at);

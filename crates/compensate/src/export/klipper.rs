@@ -42,7 +42,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         request.origin()
     );
     Ok(Tables {
-        files: vec![ExportedFile::new("skew.cfg", text)],
+        files: vec![ExportedFile::new("skew.gcode", text)],
         notes: vec![
             "squareness alone, as AC, BD, AD of a square of 100 mm: commands for the console; needs [skew_correction]".to_owned(),
             "SAVE_CONFIG keeps the profile, but after each start of the firmware nothing is corrected until, after homing, \

@@ -56,7 +56,8 @@ const MOST_DEVIATION: f64 = 5.0;
 fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let mut files = Vec::new();
     let mut notes = vec![
-        "X.comp: nominal, actual forward, actual reverse; [JOINT_n] COMP_FILE = X.comp, COMP_FILE_TYPE = 0; remove BACKLASH"
+        "X.comp: nominal, actual forward, actual reverse; [JOINT_n] COMP_FILE = X.comp, COMP_FILE_TYPE = 0; remove BACKLASH; \
+         all files are in mm and degrees, as [TRAJ] LINEAR_UNITS = mm"
             .to_owned(),
         request.origin(),
     ];
@@ -115,7 +116,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
         files.push(ExportedFile::new(matrix::FILE, text));
         notes.push(format!(
             "{}: [KINS] KINEMATICS = matrixkins, then source this file; if a matrix was active while the machine was measured, give \
-             its file with --onto; all files are in mm and degrees, as [TRAJ] LINEAR_UNITS = mm",
+             its file with --onto",
             matrix::FILE
         ));
     }

@@ -131,6 +131,6 @@ fn marlin_and_klipper() {
     assert!(klipper.contains("\nSET_SKEW XY=141.4247843"), "{klipper}");
     assert!(klipper.contains(",141.4179280"), "{klipper}");
     // A comment of that firmware, and what a start takes away.
-    assert!(klipper.contains("skew.cfg\n; "), "{klipper}");
+    assert!(klipper.contains("skew.gcode\n; "), "{klipper}");
     assert!(notes.contains("SKEW_PROFILE LOAD=trueaxis"), "{notes}");
 }

@@ -39,7 +39,7 @@ pub(crate) fn control(
         Format::Sinumerik => sinumerik(export, machine, Products::Alone),
         Format::Heidenhain => heidenhain(export, machine, TableSign::Error),
         Format::Marlin => marlin(&text("skew.gcode").unwrap()),
-        Format::Klipper => klipper(&text("skew.cfg").unwrap()),
+        Format::Klipper => klipper(&text("skew.gcode").unwrap()),
     }
 }
 
