@@ -53,7 +53,9 @@ pub struct Axis {
     name: String,
     kind: AxisKind,
     direction: Unit<Vector3<f64>>,
+    /// What [`Axis::rotary`] was given; the origin for a linear axis.
     point_mm: Point3<f64>,
+    /// The reference point of δ: `point_mm` until [`Axis::with_reference`].
     reference_mm: Point3<f64>,
     travel: [f64; 2],
 }
@@ -94,7 +96,7 @@ impl Axis {
         name: &str,
         kind: AxisKind,
         direction: Vector3<f64>,
-        reference_mm: Point3<f64>,
+        point_mm: Point3<f64>,
         travel: [f64; 2],
     ) -> Result<Self, Error> {
         let length = direction.norm();
@@ -106,7 +108,7 @@ impl Axis {
                 length,
             });
         }
-        if !reference_mm.iter().all(|c| c.is_finite()) {
+        if !point_mm.iter().all(|c| c.is_finite()) {
             return Err(Error::Position {
                 axis: name.to_owned(),
             });
@@ -127,8 +129,8 @@ impl Axis {
             name: name.to_owned(),
             kind,
             direction,
-            point_mm: reference_mm,
-            reference_mm,
+            point_mm,
+            reference_mm: point_mm,
             travel,
         })
     }
@@ -245,18 +247,18 @@ impl Axis {
         error: &MotionError,
     ) -> Isometry3<f64> {
         let average_direction = self.average_direction(location);
-        let tilt_error = error.isometry();
+        let error_motion = error.isometry();
         match self.kind {
             AxisKind::Linear => {
                 let o = self.reference_mm.coords;
                 Translation3::from(o + average_direction.into_inner() * position)
-                    * tilt_error
+                    * error_motion
                     * Translation3::from(-o)
             }
             AxisKind::Rotary => {
                 let centre = self.reference_mm.coords + location.offset_mm;
                 Translation3::from(centre)
-                    * tilt_error
+                    * error_motion
                     * UnitQuaternion::from_axis_angle(&average_direction, position)
                     * Translation3::from(self.axial_mm(location) - centre)
             }
