@@ -1,4 +1,4 @@
-//! The adjustment of a network: the linearised lengths, group by group.
+//! The adjustment of a network: the linearised lengths, group by group; [`crate::passes`] goes through all of them.
 //!
 //! Block unknowns belong to one group: the coordinates of its free points, or the six of the pose of its body
 //! ([`crate::linearise`]). Shared unknowns are, in this order, `x y z L` of each station (position and dead path),

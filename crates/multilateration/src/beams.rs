@@ -1,4 +1,4 @@
-//! Beams from the stations to the points of eight groups, and the misclosures of their lengths.
+//! Beams from the stations to the points of eight groups, and the misclosures `l + L - hᵀa - |p - S|` of their lengths.
 
 use nalgebra::Point3;
 use trueaxis_leastsquares::{Lanes, lanes_only};

@@ -1,9 +1,9 @@
-//! The whitened equations of eight groups.
+//! The equations of eight groups, linearised.
 //!
-//! With the beam `u = (p - S) / |p - S|`:
+//! A length and, with the beam `u = (p - S) / |p - S|`, its change:
 //!
 //! ```text
-//! dl = uᵀ dp - uᵀ dS - dL + hᵀ da
+//! l = |p - S| - L + hᵀ a      dl = uᵀ dp - uᵀ dS - dL + hᵀ da
 //! ```
 //!
 //! with the contrasts `a` of the reflectors' constants ([`crate::reflectors`]). A free point has three unknowns `dp`.
@@ -14,8 +14,8 @@
 //! ```
 //!
 //! with the centroid `c` of the group's points and the deformations `s` of the body that no rigid motion makes (three
-//! for a triangle). Six unknowns thus replace the nine coordinates of a free triangle. Rows are multiplied by the
-//! weights of their visit ([`crate::visit_weights`]).
+//! for a triangle). Six unknowns thus replace the nine coordinates of a free triangle. Rows are then multiplied by
+//! the weights of their visit ([`crate::visit_weights`]).
 
 use nalgebra::Point3;
 use trueaxis_leastsquares::{BlockBatch, Lanes, RowMut, Shape};
