@@ -132,20 +132,20 @@ impl Gram {
     }
 
     /// Twice the logarithm of the marginal likelihood ratio for a prior `N(0, w² I)` of the parameters, with the most
-    /// likely width `w`: `max_w Σ z² w²g/(1 + w²g) - ln(1 + w²g)`.
+    /// likely width `w` (empirical Bayes): `max_w Σ z² w²g/(1 + w²g) - ln(1 + w²g)`, zero where no width gains.
     pub fn evidence(&self, s: &[f64]) -> f64 {
-        self.most_likely_width(s).1
+        self.most_likely_variance(s).1
     }
 
     /// The evidence from the coordinates ([`Self::standardised`]).
     pub fn evidence_of(coordinates: &[(f64, f64)]) -> f64 {
-        best_width(coordinates, |gained, ln_price| gained - ln_price).1
+        best_variance(coordinates, |gained, ln_price| gained - ln_price).1
     }
 
     /// The posterior mean of the parameters with the prior of [`Self::evidence`]: combinations that the data hardly
     /// see stay near zero, so that the mean predicts other data well that do see them.
     pub fn shrunk(&self, s: &[f64]) -> Vec<f64> {
-        let (variance, _) = self.most_likely_width(s);
+        let (variance, _) = self.most_likely_variance(s);
         let mut estimates = vec![0.0; self.parameters];
         for (value, z, vector) in self.combinations(s) {
             let x = variance * value;
@@ -157,9 +157,9 @@ impl Gram {
     }
 
     /// The most likely `w²`, and `2 ln` of the marginal likelihood ratio for it.
-    fn most_likely_width(&self, s: &[f64]) -> (f64, f64) {
+    fn most_likely_variance(&self, s: &[f64]) -> (f64, f64) {
         let coordinates: Vec<(f64, f64)> = self.standardised(s).collect();
-        best_width(&coordinates, |gained, ln_price| gained - ln_price)
+        best_variance(&coordinates, |gained, ln_price| gained - ln_price)
     }
 }
 
@@ -185,13 +185,13 @@ pub fn restricted_likelihood(gram: &[f64], before: &[f64], s: &[f64], dof: f64) 
     let all = eigenvalues_along(s, symmetric(gram, n)).unwrap_or_default();
     let seen = all.into_iter().filter(|(value, _)| *value > limit);
     let seen: Vec<(f64, f64)> = seen.map(|(g, along)| (g, along / g.sqrt())).collect();
-    best_width(&seen, |gained, ln_price| {
+    best_variance(&seen, |gained, ln_price| {
         -dof * (1.0 - gained / dof).max(f64::MIN_POSITIVE).ln() - ln_price
     })
 }
 
 /// The variance of the prior with the largest likelihood, a function of its gain and ln price; and that likelihood.
-fn best_width(coordinates: &[(f64, f64)], likelihood: impl Fn(f64, f64) -> f64) -> (f64, f64) {
+fn best_variance(coordinates: &[(f64, f64)], likelihood: impl Fn(f64, f64) -> f64) -> (f64, f64) {
     let at = |variance: f64| -> f64 {
         let (mut gained, mut price, mut ln_price) = (0.0, 1.0, 0.0);
         for &(g, z) in coordinates {
@@ -209,12 +209,12 @@ fn best_width(coordinates: &[(f64, f64)], likelihood: impl Fn(f64, f64) -> f64) 
     let Some(largest) = coordinates.iter().map(|(g, _)| *g).reduce(f64::max) else {
         return (0.0, 0.0);
     };
-    // From a width of a tenth of the least uncertainty to twice the length of the estimates.
+    // Their roots go from a tenth of the least uncertainty to twice the length of the estimates.
     let top: f64 = coordinates.iter().map(|&(g, z)| z * z / g).sum();
     let (low, high) = (0.01 / largest, (4.0 * top).max(0.02 / largest));
-    let ratio = (high / low).powf(1.0 / WIDTHS as f64);
-    let candidates = std::iter::successors(Some(low), |width| Some(width * ratio));
-    let candidates = candidates.take(WIDTHS + 1);
+    let ratio = (high / low).powf(1.0 / VARIANCES as f64);
+    let candidates = std::iter::successors(Some(low), |variance| Some(variance * ratio));
+    let candidates = candidates.take(VARIANCES + 1);
     candidates
         .map(|variance| (variance, at(variance)))
         .fold(
@@ -226,5 +226,5 @@ fn best_width(coordinates: &[(f64, f64)], likelihood: impl Fn(f64, f64) -> f64) 
 /// The product gets its logarithm before it can overflow.
 const LARGE: f64 = 1e100;
 
-/// Widths of the prior that are tried, in equal ratios; the maximum is flat.
-const WIDTHS: usize = 40;
+/// Variances of the prior that are tried, in equal ratios; the maximum is flat.
+const VARIANCES: usize = 40;
