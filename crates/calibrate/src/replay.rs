@@ -135,8 +135,9 @@ pub struct Responses<'a> {
 }
 
 impl Responses<'_> {
-    /// The change of each result by errors of the used lengths in measuring order (mm), or of the points (x y z of each); in the unit of
-    /// the result ([`trueaxis_predict::Output::unit`]). Not a number if they do not settle: errors so large belong to another machine.
+    /// The change of each result by errors of the used lengths in measuring order, or of the points (x y z of each), mm;
+    /// in the unit of the result ([`trueaxis_predict::Output::unit`]). NaN if it does not settle: errors so large belong
+    /// to another machine.
     ///
     /// # Panics
     /// If there is not one error for each used length.

@@ -1,7 +1,7 @@
 //! The response of the results of an axis to a small motion of its base.
 //!
 //! The results of an axis are found from poses in the frame of its base, which the axes outside it carry. If these
-//! have the error motion `ξ` during a run, the poses of the run are displaced by `-ξ` in that frame. A motion common
+//! have the error motion `b` during a run, the poses of the run are displaced by `-b` in that frame. A motion common
 //! to all runs enters location errors and positions of the targets; component errors depend only on differences
 //! between runs.
 

@@ -101,8 +101,8 @@ impl<'a> Dependence<'a> {
         self.bases[k].1.len() > 1
     }
 
-    /// Response of a record of axis `k` to the sources through its base, with the sign of the base's motion: six
-    /// rows.
+    /// Response of a record of axis `k` to the sources through its base, with the sign of the base's motion, which the
+    /// record's pose error has opposite: six rows.
     pub(crate) fn response_to_base(&self, k: usize, record: usize) -> DMatrix<f64> {
         let (response, motions) = &self.bases[k];
         let run = self.context.data[k].records[record].run;
@@ -117,8 +117,8 @@ impl<'a> Dependence<'a> {
             return None;
         }
         let (response, motions) = &self.bases[k];
-        let answer = |(run, motion): (usize, &Matrix6xX<f64>)| -(response.of(form, run) * motion);
-        let runs = motions.iter().enumerate().map(answer);
-        runs.reduce(|sum, answer| sum + answer)
+        let of_run = |(run, motion): (usize, &Matrix6xX<f64>)| -(response.of(form, run) * motion);
+        let runs = motions.iter().enumerate().map(of_run);
+        runs.reduce(|sum, rows| sum + rows)
     }
 }

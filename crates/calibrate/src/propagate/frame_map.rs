@@ -1,6 +1,6 @@
 //! The errors of axes, targets, stations and frame as functions of the sources.
 //!
-//! The sources of an axis ([`crate::propagate::sources`]) are found from its points in the frame of its base, as if
+//! The sources of an axis ([`crate::propagate::sources`]) are found from its poses in the frame of its base, as if
 //! the base were known. One after the other, from the bed outwards, each axis is corrected for the errors of the axes
 //! outside it at their positions during its runs; the axes inside it stand still and shift only the targets. The
 //! results are relative to the reference frame, which itself moves with the errors of its lines and anchors.

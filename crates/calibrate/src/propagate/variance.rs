@@ -1,4 +1,4 @@
-//! The variance of a linear function of the points' errors.
+//! The variance of a linear function of the poses' errors.
 
 use trueaxis_poses::ThroughSources;
 
@@ -29,7 +29,7 @@ impl Variance {
         }
     }
 
-    /// Whether gauge or frame define the function, so that it does not depend on the points. Every point has noise of
+    /// Whether gauge or frame define the function, so that it does not depend on the poses. Every pose has noise of
     /// its own, so no other function has zero variance with the stations known.
     pub(crate) fn is_defined_away(&self) -> bool {
         self.own < CANCELLED * self.uncancelled

@@ -1,4 +1,4 @@
-//! The result: every geometric error of the machine, with uncertainty and evidence.
+//! The result: every geometric error of the machine with its uncertainty, and what the measurement says about itself.
 
 use nalgebra::{Point3, Vector3};
 use trueaxis_campaign::{Direction, InputFile, MachineSpec};
@@ -164,11 +164,11 @@ pub struct RunMisfit {
     pub degrees_of_freedom: usize,
     /// Probability of a sum as large if the runs agree.
     pub p_value: f64,
-    /// The component error that differs most by its noise, the position, and the difference there; mm or rad.
+    /// The component error that differs most, relative to its noise.
     pub component: Component,
-    /// See [`RunMisfit::component`].
+    /// Where it does, mm or rad.
     pub position: f64,
-    /// See [`RunMisfit::component`].
+    /// The largest difference between runs there, mm or rad.
     pub difference: f64,
 }
 
