@@ -203,7 +203,7 @@ fn verified(
         .collect();
     let covariance = machine.covariance_of_readings(&readings);
     let set_up = set_up(nominal, kind, &points.iter().collect::<Vec<_>>());
-    let p_value = settle(machine, &mut points, &covariance, &set_up, is_compensated);
+    let p_value = judge(machine, &mut points, &covariance, &set_up, is_compensated);
     Ok(Verified {
         name: verification.name.clone(),
         kind: Some(kind.clone()),
@@ -216,7 +216,7 @@ fn verified(
 
 /// Takes what the set-up leaves open out of readings, predictions and their covariance, and judges what is left: the
 /// probability of as many `E_n` above 1.
-fn settle(
+fn judge(
     machine: &CalibratedMachine,
     points: &mut [Point],
     covariance: &DMatrix<f64>,

@@ -116,7 +116,7 @@ pub fn estimate_noise(
             let sigma0 = adjusted.sigma0();
             adjusted.solve_with(scaled(start, sigma0, sigma0))?;
         }
-        if let Some(found) = settle(&mut adjusted, given)? {
+        if let Some(found) = both_parts(&mut adjusted, given)? {
             return Ok(found);
         }
     }
@@ -162,9 +162,9 @@ pub(crate) fn level(given: Noise) -> Noise {
     }
 }
 
-/// Improves both parts until they have settled; `None` if they do not settle, if the lengths do not separate them
+/// The estimate of both parts, improved until they settle; `None` if they do not settle, if the lengths do not separate them
 /// there, or if the adjustment does not converge.
-fn settle(adjusted: &mut Weighted<'_>, given: Noise) -> Result<Option<NoiseEstimate>, Error> {
+fn both_parts(adjusted: &mut Weighted<'_>, given: Noise) -> Result<Option<NoiseEstimate>, Error> {
     let start = adjusted.network.noise;
     for _ in 0..MAX_ITERATIONS {
         let is_solved = adjusted.solution.termination.is_converged();
@@ -179,8 +179,8 @@ fn settle(adjusted: &mut Weighted<'_>, given: Noise) -> Result<Option<NoiseEstim
             // Only the lengths must be known well: a repeatability that is small beside them needs no more.
             let worth = 2.0 / found.covariance[(0, 0)] >= LEAST_DEGREES_OF_FREEDOM;
             let noise = adjusted.network.noise;
-            let settled = (worth && told_apart).then(|| estimated(noise, given, found.covariance));
-            return Ok(settled);
+            let is_known = worth && told_apart;
+            return Ok(is_known.then(|| estimated(noise, given, found.covariance)));
         }
         let step = |k: usize| {
             let factor = found.factors[k];

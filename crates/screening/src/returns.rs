@@ -13,11 +13,13 @@ use trueaxis_multilateration::{Network, Noise, Return};
 use crate::uneven::uneven_axes;
 use crate::{Error, Screened, screen_within};
 
-/// Standard deviations from one at which a ratio of variances is no chance (one in 30,000).
+/// Standard deviations from one at which a ratio of variances is not put down to chance (one in 30,000).
 const PLAIN: f64 = 4.0;
 
-/// Steps towards the ratios; searches for gross errors with them, after each of which some come back.
+/// Most steps towards the ratios.
 const STEPS: usize = 40;
+
+/// Most searches for gross errors with new ratios: after each, some of the lengths that were removed come back.
 const SEARCHES: usize = 4;
 
 /// How an axis returns to its steps, in units of the repeatability of the network.
@@ -106,7 +108,7 @@ impl Axes<'_> {
         }
     }
 
-    /// The lengths that `found` kept, where axes return so.
+    /// The adjustment of the lengths that `found` kept, where axes return so.
     fn again(&self, ratios: &[AxisReturn], found: &Screened) -> Option<Screened> {
         Screened::as_found(&self.with(ratios), self.declared, found).ok()
     }
@@ -161,7 +163,7 @@ impl Axes<'_> {
     }
 }
 
-/// What is wrong.
+/// The number of gross errors and jumps.
 fn wrong(screened: &Screened) -> usize {
     screened.removed.len() + screened.jumps.len()
 }

@@ -8,7 +8,7 @@ use trueaxis_campaign::PointCheck;
 use trueaxis_kinematics::{Ideal, MICROMETRE};
 use trueaxis_predict::CalibratedMachine;
 
-use crate::verify::{Checked, Point, SAME, Verified, are_same, settle, u_of_length_um};
+use crate::verify::{Checked, Point, SAME, Verified, are_same, judge, u_of_length_um};
 use crate::{Error, Moved, correct};
 
 /// All readings of a place: commanded positions of all axes and the point of the tool at home.
@@ -63,7 +63,7 @@ pub(crate) fn verified_points(
     let covariance = machine.covariance_of_displacements(&of_places);
     let covariance = covariance.select_rows(&measured).select_columns(&measured);
     let set_up = zeros(&points);
-    let p_value = settle(machine, &mut points, &covariance, &set_up, is_compensated);
+    let p_value = judge(machine, &mut points, &covariance, &set_up, is_compensated);
     Ok(Verified {
         name: check.name.clone(),
         kind: None,
