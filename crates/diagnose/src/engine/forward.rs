@@ -109,6 +109,7 @@ pub(crate) fn select<F: Forward>(
 ) -> Result<Search<F::Model, F::Found>, Error> {
     let mut selected = Search::without_causes(start);
     loop {
+        // 1. What joins.
         let known = F::causes(&selected.adjusted);
         if known.len() >= search.most() {
             break;
@@ -118,8 +119,10 @@ pub(crate) fn select<F: Forward>(
             None if known.is_empty() => search.hidden(),
             None => break,
         };
+        // 2. All settle.
         let count = known.len();
         let (found, adjusted) = settle(search, causes)?;
+        // 3. Whether there is one more, and of its own.
         if found.len() <= count {
             break;
         }
