@@ -20,7 +20,7 @@ pub struct InputFile {
 /// The campaign file at `path` and all files that it names, with their checksums.
 ///
 /// # Errors
-/// If one of them cannot be read, or the campaign file is none.
+/// If one of them cannot be read, or `path` is no campaign file.
 pub fn checksums(path: &Path) -> Result<Vec<InputFile>, Error> {
     let text = text_file::read(path, "give the path of a campaign.json")?;
     let document: Document = FORMAT.read(&text, Some(path))?;

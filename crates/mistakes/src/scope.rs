@@ -31,7 +31,7 @@ impl Scope {
             + usize::from(self.repeat.is_some())
     }
 
-    /// `in repeat 2 of run x from station S1 (lines 12 to 80 of the lengths)`; nothing for all of the measurement.
+    /// `in repeat 2 of run x from station S1 (lines 12 to 80 of the lengths)`; `everywhere` for all of the measurement.
     pub(crate) fn in_words(&self, campaign: &Campaign) -> String {
         if *self == Self::default() {
             return "everywhere".to_owned();

@@ -13,7 +13,7 @@ pub(crate) struct Arrangement {
 /// Distance of the stations of the tetrahedron from the centre of the points.
 const TETRAHEDRON_MM: f64 = 800.0;
 
-/// The stations that make the largest standard deviation of a coordinate least, each between 0.3 m
+/// The stations that minimise the largest standard deviation of a coordinate, each between 0.3 m
 /// and 3 m from every point (the second and third stand at these limits), rounded to 1 mm. They are
 /// data: the best of eight random starts of an evolution strategy (CMA-ES with its default weights and
 /// rates, 12 coordinates, 16 offspring, until it moved stations by less than 0.1 mm; N. Hansen, The CMA

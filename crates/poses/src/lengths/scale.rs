@@ -163,7 +163,7 @@ impl Scale {
         }
     }
 
-    /// `c`, in front of it `ε`'s coefficient behind, over `width` sources and `ε`.
+    /// `c`, filled up to `width` sources, and behind it the coefficient of `ε`.
     pub(crate) fn coefficients(&self, width: usize) -> RowDVector<f64> {
         let mut row = RowDVector::zeros(width + 1);
         row.columns_mut(0, self.of_shared.ncols())

@@ -1,8 +1,8 @@
 //! Whether repeated points scatter as declared, and how well the machine returns if nothing is declared.
 //!
 //! The readings of one visit of a step share the machine's repeatability error, so that their covariance along each
-//! direction is `S = diag(1/w) + ρ² [same visit]`. With the readings `e` less the means of their targets, and the
-//! targets `X`, what no constant position of each target explains is
+//! direction is `S = diag(1/w) + ρ² [same visit]`. With the readings `e` less the means of their targets, and `X`,
+//! which says of which target each is, what no constant position of each target explains is
 //!
 //! ```text
 //! χ² = eᵀ S⁻¹ e - gᵀ (Xᵀ S⁻¹ X)⁻¹ g     g = Xᵀ S⁻¹ e     (S⁻¹ e)_j = w_j (e_j - κ_v Σ_v w e)
@@ -15,11 +15,11 @@
 //! 1953, method 1), with the variance `s²` of unit weight by the rigid triangle, free of displacements of visits:
 //!
 //! ```text
-//! S = Σ w e²      E S = s² ν + ρ² tr A      A_vv' = Σ_v w [v = v'] - Σ_t w_tv w_tv' / w_t      of all directions and steps
-//! var S = 2 (s⁴ ν + 2 s² ρ² tr A + ρ⁴ tr A²)
+//! Q = Σ w e²      E Q = s² ν + ρ² tr A      A_vv' = Σ_v w [v = v'] - Σ_t w_tv w_tv' / w_t      of all directions and steps
+//! var Q = 2 (s⁴ ν + 2 s² ρ² tr A + ρ⁴ tr A²)
 //! ```
 //!
-//! The same sum tests a declared ρ: `S / E S` follows F with `2 (E S)² / var S` and `2 (E S)² / (ν² var s²)` degrees of
+//! The same sum tests a declared ρ: `Q / E Q` follows F with `2 (E Q)² / var Q` and `2 (E Q)² / (ν² var s²)` degrees of
 //! freedom (Satterthwaite).
 
 use std::collections::BTreeMap;

@@ -9,14 +9,14 @@ use crate::Timing;
 pub(super) struct Clock {
     campaign_s: Vec<f64>,
     replay_s: Vec<f64>,
-    /// For each reading what comes before it in the replay; none where the replay has more readings
+    /// For each reading how it follows the one before in the replay; none where the replay has others
     /// between.
-    before: Vec<Option<Step>>,
+    before: Vec<Option<Transition>>,
 }
 
 /// From one reading to the next.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Step {
+enum Transition {
     SameStop,
     NextStop,
     NextStation,
@@ -41,13 +41,14 @@ impl Clock {
         }
         let replay_s = times(replay);
         let mut before = vec![None; places.len()];
-        for (step, pair) in before.iter_mut().skip(1).zip(places.windows(2)) {
+        for (transition, pair) in before.iter_mut().skip(1).zip(places.windows(2)) {
             let (from, to) = (stops[pair[0]], stops[pair[1]]);
-            *step = (pair[0] + 1 == pair[1]).then_some(match (from.0 == to.0, from.1 == to.1) {
-                (true, true) => Step::SameStop,
-                (true, false) => Step::NextStop,
-                (false, _) => Step::NextStation,
-            });
+            *transition =
+                (pair[0] + 1 == pair[1]).then_some(match (from.0 == to.0, from.1 == to.1) {
+                    (true, true) => Transition::SameStop,
+                    (true, false) => Transition::NextStop,
+                    (false, _) => Transition::NextStation,
+                });
         }
         Self {
             campaign_s: times(campaign),
@@ -58,20 +59,22 @@ impl Clock {
 
     /// The usual times of the campaign.
     pub(super) fn timing(&self) -> Timing {
-        let median = |wanted: Step| {
+        let median = |wanted: Transition| {
             let pairs = self.campaign_s.windows(2).zip(self.before.iter().skip(1));
-            let mut steps: Vec<f64> = pairs
-                .filter(|(_, step)| **step == Some(wanted))
+            let mut times_s: Vec<f64> = pairs
+                .filter(|(_, transition)| **transition == Some(wanted))
                 .map(|(pair, _)| pair[1] - pair[0])
                 .collect();
-            steps.sort_by(f64::total_cmp);
-            steps.get(steps.len() / 2).copied()
+            times_s.sort_by(f64::total_cmp);
+            times_s.get(times_s.len() / 2).copied()
         };
         let to_ms = |s: f64| (s.max(0.0) / RESOLUTION_S).round() * RESOLUTION_S;
-        let between_stops = median(Step::NextStop).unwrap_or(0.0);
-        let per_reading = median(Step::SameStop).unwrap_or(0.0).min(between_stops);
+        let between_stops = median(Transition::NextStop).unwrap_or(0.0);
+        let per_reading = median(Transition::SameStop)
+            .unwrap_or(0.0)
+            .min(between_stops);
         let per_move = between_stops - per_reading;
-        let per_change = median(Step::NextStation).unwrap_or(between_stops) - between_stops;
+        let per_change = median(Transition::NextStation).unwrap_or(between_stops) - between_stops;
         let first_s = self.campaign_s.first().copied().unwrap_or(0.0);
         Timing {
             start_s: to_ms(first_s - per_move),
