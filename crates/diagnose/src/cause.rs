@@ -4,7 +4,7 @@ use trueaxis_effects::{
     Explanation, LOST_MOTION_OF_BOTH_SIGNS, Layer, Level, ResolvedEffect, Scene,
 };
 
-use crate::{CurvePoint, Fitted, Wandering};
+use crate::{Fitted, Wandering};
 
 /// Probability of equal sizes scattering as much, below which they differ by more than chance.
 pub(crate) const SIZES_DIFFER: f64 = 0.01;
@@ -36,8 +36,8 @@ pub struct Cause {
     pub rivals: Vec<Rival>,
     /// Changes of the calibration by the causes: name of the component or location error, largest amount and unit.
     pub changes: Vec<Change>,
-    /// Lost motion that changes along a linear axis, at positions reached from both sides; empty for other causes.
-    pub curve: Vec<CurvePoint>,
+    /// Lost motion that changes along an axis, at positions reached from both sides; empty for other causes.
+    pub curve: Vec<LostMotionAt>,
     /// The mean of the curve: `lost_motion_mean` is the value in the middle of the travel, where the axis may not
     /// have been measured.
     pub mean_lost_motion: Option<EstimatedParameter>,
@@ -47,6 +47,17 @@ pub struct Cause {
     pub share_of_curve: Option<f64>,
     /// The misfit without it beside what it explains of the misfit; `None` where single readings do not show it.
     pub fitted: Option<Fitted>,
+}
+
+/// Lost motion at a position of an axis, mm and µm, or degrees and arcsec.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LostMotionAt {
+    /// The position.
+    pub at: f64,
+    /// The lost motion there.
+    pub value: f64,
+    /// Its standard uncertainty.
+    pub u: f64,
 }
 
 /// A value with standard uncertainty.
@@ -122,11 +133,8 @@ impl Cause {
     /// The explanation for a calibration engineer.
     pub fn explanation(&self) -> Explanation {
         let beyond_doubt = |sign: f64| {
-            let points = self.curve.iter();
-            let clear = |(value, u): (&f64, &f64)| sign * value > 3.0 * u;
-            points
-                .flat_map(|p| p.value_um.iter().zip(&p.u_um))
-                .any(clear)
+            let mut points = self.curve.iter();
+            points.any(|point| sign * point.value > 3.0 * point.u)
         };
         match &self.mean_lost_motion {
             _ if beyond_doubt(1.0) && beyond_doubt(-1.0) => LOST_MOTION_OF_BOTH_SIGNS,

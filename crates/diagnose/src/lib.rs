@@ -44,7 +44,7 @@ mod settings;
 mod shares;
 mod verification;
 
-pub use cause::{Cause, Change, EstimatedParameter, Follows, Rival};
+pub use cause::{Cause, Change, EstimatedParameter, Follows, LostMotionAt, Rival};
 pub use diagnose::{diagnose, diagnose_against};
 pub use diagnosis::{
     Diagnosis, Gain, HeldOutRatio, LevelReport, Misfit, NotObservable, OmnibusTest, Place,

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use trueaxis_files::{decimals, told_behind, told_places, told_span, told_unit};
 
-use crate::diagnosis::{Cause, CurvePoint, Diagnosis, Fitted, Level, MisfitAt, Parameter};
+use crate::diagnosis::{Cause, Diagnosis, Fitted, Level, MisfitAt, Parameter};
 use crate::disturbances::DisturbanceView;
 use crate::fitted_figure::fitted_figures;
 use crate::numbers::{COVERAGE, fixed, rough, signed, with_u};
@@ -249,7 +249,7 @@ fn cause(index: usize, cause: &Cause) -> CauseView {
         effect: cause.effect.clone(),
         is_of_curve: cause.is_of_curve(),
         name: words::effect(&cause.effect, &cause.subject),
-        value: [parameters(cause), along_it(cause.curve.as_deref())].concat(),
+        value: [parameters(cause), along_it(cause)].concat(),
         rivals: rivals.collect(),
         changes: changes(cause).1,
         explained: cause.explained_rms_um.map(rough),
@@ -263,10 +263,15 @@ fn cause(index: usize, cause: &Cause) -> CauseView {
     }
 }
 
-/// The least and the largest of a free form over the position, µm; nothing without one.
-fn along_it(curve: Option<&[CurvePoint]>) -> String {
+/// The least and the largest of a free form over the position, µm or arcsec; nothing without one.
+fn along_it(cause: &Cause) -> String {
+    let mean = cause.mean_lost_motion.as_ref();
+    let [unit, of_position] = match mean.map(|mean| mean.unit.as_str()) {
+        Some("arcsec") => ["″", "°"],
+        _ => ["\u{a0}µm", "\u{a0}mm"],
+    };
     let mut all: Vec<[f64; 3]> = Vec::new();
-    for point in curve.into_iter().flatten() {
+    for point in cause.curve.iter().flatten() {
         let first = |values: &[f64]| values.first().copied();
         if let (Some(at), Some(value), Some(u)) =
             (first(&point.at), first(&point.value_um), first(&point.u_um))
@@ -279,7 +284,7 @@ fn along_it(curve: Option<&[CurvePoint]>) -> String {
     let told = |[at, value, u]: &[f64; 3]| {
         let u = COVERAGE * u;
         let told = with_u(*value, u, decimals(u).min(3));
-        format!("{told}\u{a0}µm at {}\u{a0}mm", fixed(*at, places))
+        format!("{told}{unit} at {}{of_position}", fixed(*at, places))
     };
     match (all.first(), all.last()) {
         (Some(least), Some(most)) => format!("; from {} to {}", told(least), told(most)),

@@ -200,7 +200,10 @@ impl Disturbance {
 #[serde(default)]
 pub(crate) struct CurvePoint {
     pub(crate) at: Vec<f64>,
+    /// Of lost motion of a rotary axis arcsec.
+    #[serde(alias = "value_arcsec")]
     pub(crate) value_um: Vec<f64>,
+    #[serde(alias = "u_arcsec")]
     pub(crate) u_um: Vec<f64>,
 }
 

@@ -39,7 +39,7 @@ pub(crate) fn of_misfit(
         size += &format!("; {} of the misfit, in squares", in_words::percent(share));
     }
     tell("size", &size);
-    if let Some(curve) = in_words::curve(&cause.curve) {
+    if let Some(curve) = in_words::curve(cause) {
         tell("along it", &curve);
     }
     if let Some(note) = cause.note() {

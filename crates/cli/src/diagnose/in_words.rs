@@ -1,6 +1,6 @@
 //! Numbers and names of a diagnosis in the words of the terminal.
 
-use trueaxis_diagnose::{CurvePoint, EstimatedParameter};
+use trueaxis_diagnose::{Cause, EstimatedParameter, LostMotionAt};
 use trueaxis_effects::{ResolvedEffect, Scene};
 use trueaxis_files::{decimals, told_behind, told_effect, told_places, told_span, told_unit};
 
@@ -71,21 +71,24 @@ fn as_told(parameter: &EstimatedParameter) -> EstimatedParameter {
     }
 }
 
-/// The ends of a free form: `+104.7 ± 5.2 µm at 0 mm, +12.0 ± 5.2 µm at -4 mm`; none without one.
-pub(crate) fn curve(curve: &[CurvePoint]) -> Option<String> {
-    let value = |point: &CurvePoint| point.value_um[0];
-    let places = told_places(curve.iter().map(|point| point.at));
-    let point = |point: &CurvePoint| {
-        let expanded = COVERAGE * point.u_um[0];
+/// The ends of a free form: `from -12.0 ± 5.2 µm at -4 mm to +104.7 ± 5.2 µm at 0 mm`; none without one.
+pub(crate) fn curve(cause: &Cause) -> Option<String> {
+    let (unit, of_position) = match cause.mean_lost_motion.as_ref()?.unit {
+        "arcsec" => ("″", "°"),
+        _ => (" µm", " mm"),
+    };
+    let places = told_places(cause.curve.iter().map(|point| point.at));
+    let point = |point: &LostMotionAt| {
+        let expanded = COVERAGE * point.u;
         let decimals = decimals(expanded);
         format!(
-            "{:+.decimals$} ± {expanded:.decimals$} µm at {:.places$} mm",
-            value(point),
-            point.at
+            "{:+.decimals$} ± {expanded:.decimals$}{unit} at {:.places$}{of_position}",
+            point.value, point.at
         )
     };
-    let most = curve.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?;
-    let least = curve.iter().min_by(|a, b| value(a).total_cmp(&value(b)))?;
+    let by_value = |a: &&LostMotionAt, b: &&LostMotionAt| a.value.total_cmp(&b.value);
+    let most = cause.curve.iter().max_by(by_value)?;
+    let least = cause.curve.iter().min_by(by_value)?;
     Some(format!("from {} to {}", point(least), point(most)))
 }
 

@@ -8,10 +8,10 @@ use serde::ser::{SerializeMap, Serializer};
 use trueaxis_effects::{GivenEffect, GivenParameter, GivenSubject, Scene};
 use trueaxis_files::{Ordered, round, significant};
 
-use crate::json::disturbance::{CurvePointFile, ID, point};
+use crate::json::disturbance::ID;
 use crate::json::fitted::FittedFile;
 use crate::json::um;
-use crate::{Cause, Change, EstimatedParameter, Rival};
+use crate::{Cause, Change, EstimatedParameter, LostMotionAt, Rival};
 
 #[derive(Serialize, JsonSchema)]
 pub(super) struct CauseFile<'a> {
@@ -28,7 +28,7 @@ pub(super) struct CauseFile<'a> {
     heldout_gain: Option<f64>,
     parameters: Vec<GivenParameter>,
     /// Lost motion that changes along an axis, at the positions of a line that were reached from both sides.
-    curve: Option<Vec<CurvePointFile>>,
+    curve: Option<Vec<LostMotionFile>>,
     /// The mean of the curve.
     #[serde(skip_serializing_if = "Option::is_none")]
     mean_lost_motion: Option<GivenParameter>,
@@ -49,6 +49,20 @@ pub(super) struct CauseFile<'a> {
     share_of_curve: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     fitted: Option<FittedFile<'a>>,
+}
+
+/// Lost motion at a position, µm of a linear axis, arcsec of a rotary one.
+#[derive(Serialize, JsonSchema)]
+struct LostMotionFile {
+    at: [f64; 1],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    value_um: Option<[f64; 1]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    u_um: Option<[f64; 1]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    value_arcsec: Option<[f64; 1]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    u_arcsec: Option<[f64; 1]>,
 }
 
 /// The logged temperature that a cause goes with.
@@ -153,7 +167,7 @@ impl<'a> CauseFile<'a> {
             share: cause.share.map(|share| round(share, 4)),
             heldout_gain: cause.heldout_gain.map(|gain| round(gain, 4)),
             parameters: cause.parameters.iter().map(estimated).collect(),
-            curve: (!cause.curve.is_empty()).then(|| cause.curve.iter().map(point).collect()),
+            curve: lost_motion(cause),
             mean_lost_motion: cause.mean_lost_motion.as_ref().map(estimated),
             covariance: covariance(cause),
             cannot_tell_apart_from: rivals.collect(),
@@ -173,6 +187,22 @@ impl<'a> CauseFile<'a> {
             fitted: cause.fitted.as_ref().map(FittedFile::new),
         }
     }
+}
+
+/// The curve of a lost motion, if it has one.
+fn lost_motion(cause: &Cause) -> Option<Vec<LostMotionFile>> {
+    let is_angle = cause.mean_lost_motion.as_ref()?.unit == "arcsec";
+    let point = |own: &LostMotionAt| {
+        let told = |is_it: bool, value: f64| is_it.then(|| [round(value, 4)]);
+        LostMotionFile {
+            at: [round(own.at, 3)],
+            value_um: told(!is_angle, own.value),
+            u_um: told(!is_angle, own.u),
+            value_arcsec: told(is_angle, own.value),
+            u_arcsec: told(is_angle, own.u),
+        }
+    };
+    Some(cause.curve.iter().map(point).collect())
 }
 
 fn estimated(estimated: &EstimatedParameter) -> GivenParameter {

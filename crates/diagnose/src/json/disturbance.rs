@@ -34,7 +34,7 @@ struct CorrelationLengthFile {
 }
 
 #[derive(Serialize, JsonSchema)]
-pub(super) struct CurvePointFile {
+struct CurvePointFile {
     #[schemars(length(min = 1, max = 2))]
     at: Vec<f64>,
     value_um: Vec<f64>,
@@ -82,7 +82,7 @@ impl<'a> DisturbanceFile<'a> {
     }
 }
 
-pub(super) fn point(point: &CurvePoint) -> CurvePointFile {
+fn point(point: &CurvePoint) -> CurvePointFile {
     let rounded = |values: &[f64]| values.iter().map(|v| round(*v, 4)).collect();
     CurvePointFile {
         at: [point.at]

@@ -34,12 +34,14 @@ pub(crate) fn joint_cause(
     let mut along_it: Vec<(f64, &[f64])> = along_it.flatten().collect();
     along_it.sort_by(|a, b| a.0.total_cmp(&b.0));
     along_it.dedup_by(|a, b| a.0.total_cmp(&b.0).is_eq());
-    let (curve, mean_lost_motion) = curve(&along_it, &sized.fit, variance);
+    let said = listed.cause(&judged, level, (&sized.fit, u_shape), variance);
+    let unit = said.parameters[0].unit;
+    let (curve, mean_lost_motion) = curve(&along_it, &sized.fit, variance, unit);
     Some(Cause {
         curve,
         mean_lost_motion,
         rivals: listed.rivals(&judged),
-        ..listed.cause(&judged, level, (&sized.fit, u_shape), variance)
+        ..said
     })
 }
 

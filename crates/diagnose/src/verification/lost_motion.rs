@@ -18,7 +18,7 @@ use crate::engine::{MOST_OF_FREEDOM, SMOOTH_LEVEL, most};
 use crate::verification::base::{count, places};
 use crate::verification::comparison::Comparison;
 use crate::verification::problem::Problem;
-use crate::{CurvePoint, EstimatedParameter};
+use crate::{EstimatedParameter, LostMotionAt};
 
 /// Half waves beside mean and slope up to which each number is tried: a smooth function.
 const SMOOTH: usize = 6;
@@ -117,8 +117,8 @@ pub(crate) fn sizes(comparison: &Comparison<'_>, columns: &[Vec<f64>]) -> Vec<Ve
     rows.map(size).collect()
 }
 
-/// The positions at which readings show how lost motion changes along their linear axis, those reached from both
-/// sides, with its [`sizes`] there.
+/// The positions, mm or degrees, at which readings show how lost motion changes along their axis, those reached from
+/// both sides, with its [`sizes`] there.
 pub(crate) fn shown_along<'c>(
     comparison: &Comparison<'_>,
     cause: &'c Candidate<'_>,
@@ -126,25 +126,29 @@ pub(crate) fn shown_along<'c>(
     let Hypothesis {
         effect, subject, ..
     } = cause.hypothesis;
-    let axis = comparison.line().filter(|&axis| {
-        effect == POSITION_DEPENDENT_BACKLASH
-            && subject.axis == Some(axis)
-            && comparison.machine.axes()[axis].kind() == AxisKind::Linear
-    });
+    let axis = comparison
+        .line()
+        .filter(|&axis| effect == POSITION_DEPENDENT_BACKLASH && subject.axis == Some(axis));
     let positions = axis.into_iter().flat_map(move |axis| {
+        let of_one = match comparison.machine.axes()[axis].kind() {
+            AxisKind::Linear => 1.0,
+            AxisKind::Rotary => 1_f64.to_degrees(),
+        };
         let arrivals = reached_from_both_sides(comparison).into_iter();
-        arrivals.map(move |row| comparison.arrivals[row].positions[axis])
+        arrivals.map(move |row| comparison.arrivals[row].positions[axis] * of_one)
     });
     positions.zip(cause.sizes.iter().map(Vec::as_slice))
 }
 
 /// The function at some positions ([`sizes`]), and its mean over these, the opposite of the mean reversal value of
-/// ISO 230-2: `fit` is that of the cause, for observations of this variance. Nothing without positions.
+/// ISO 230-2: `fit` is that of the cause, for observations of this variance, and `unit` that of lost motion. Nothing
+/// without positions.
 pub(crate) fn curve(
     shown: &[(f64, &[f64])],
     fit: &Fit,
     variance: f64,
-) -> (Vec<CurvePoint>, Option<EstimatedParameter>) {
+    unit: &'static str,
+) -> (Vec<LostMotionAt>, Option<EstimatedParameter>) {
     let n = fit.estimates.len();
     if shown.is_empty() {
         return (Vec::new(), None);
@@ -160,20 +164,15 @@ pub(crate) fn curve(
         let there = DVector::from_column_slice(&there[..n]);
         sum += &there;
         let (value, u) = told(&there);
-        CurvePoint {
-            position: None,
-            at,
-            value_um: vec![value],
-            u_um: vec![u],
-        }
+        LostMotionAt { at, value, u }
     };
-    let curve: Vec<CurvePoint> = shown.iter().map(point).collect();
+    let curve: Vec<LostMotionAt> = shown.iter().map(point).collect();
     let (value, u) = told(&(sum / curve.len() as f64));
     let mean = EstimatedParameter {
         name: "mean_lost_motion".to_owned(),
         value,
         u,
-        unit: "um",
+        unit,
     };
     (curve, Some(mean))
 }

@@ -69,7 +69,8 @@ pub(crate) fn causes(
         let misfit: Vec<f64> = rest.iter().zip(&fitted).map(|(a, b)| a + b).collect();
         let gain = gain_of(problem, chosen, k);
         let along_it: Vec<(f64, &[f64])> = shown_along(problem.comparison, candidate).collect();
-        let (curve, mean_lost_motion) = curve(&along_it, &sized.fit, variance);
+        let (curve, mean_lost_motion) =
+            curve(&along_it, &sized.fit, variance, said.parameters[0].unit);
         causes.push(Cause {
             explained_rms_um: rms_of_readings_um(problem, &fitted),
             heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),

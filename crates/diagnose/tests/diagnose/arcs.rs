@@ -156,3 +156,29 @@ fn a_rotary_axis_that_slips_may_be_the_axis() {
     });
     assert!(machine, "{:?}", found.causes[0].rivals);
 }
+
+/// Lost motion of a rotary axis that changes along it is told where it was measured, in degrees and seconds of arc: the terminal gave its
+/// value in the middle of the travel only.
+#[test]
+fn lost_motion_of_a_rotary_axis_has_its_curve() {
+    let lost = |angle_deg: f64| 6.0 + 5.0 * (angle_deg / 9.0).sin();
+    let both = [Direction::Forward, Direction::Backward];
+    let found = diagnosed((60.0, 13), &both, &|angle_deg, side| {
+        -0.5 * side * lost(angle_deg)
+    });
+    assert_eq!(found.verdict, Verdict::Named);
+    let cause = &found.causes[0];
+    assert_eq!(cause.curve.len(), 13);
+    for point in &cause.curve {
+        assert!(
+            (point.value - lost(point.at)).abs() < 4.0 * point.u && point.u < 0.3,
+            "{point:?}"
+        );
+    }
+    let mean = (0..13).map(|k| lost(5.0 * f64::from(k))).sum::<f64>() / 13.0;
+    let told = cause.mean_lost_motion.as_ref().unwrap();
+    assert!(
+        (told.value - mean).abs() < 4.0 * told.u && told.unit == "arcsec",
+        "{told:?}"
+    );
+}

@@ -412,8 +412,8 @@ fn lost_motion_is_a_free_function_of_the_position() {
         assert_eq!(cause.effect.effect.id, "position_dependent_backlash");
         assert_eq!(cause.curve.len(), 9);
         for point in &cause.curve {
-            let error = (point.value_um[0] - worn(point.at)).abs();
-            inside += usize::from(error < 2.0 * point.u_um[0]);
+            let error = (point.value - worn(point.at)).abs();
+            inside += usize::from(error < 2.0 * point.u);
             all += 1;
         }
     }

@@ -68,7 +68,7 @@ fn inside(lost: Lost, seeds: std::ops::Range<u64>) -> [usize; 2] {
         let cause = lost_motion(&found).unwrap_or_else(|| panic!("seed {seed}"));
         assert_eq!(cause.curve.len(), truth.len());
         for (point, truth) in cause.curve.iter().zip(&truth) {
-            let is_inside = (point.value_um[0] - truth).abs() < 2.0 * point.u_um[0];
+            let is_inside = (point.value - truth).abs() < 2.0 * point.u;
             count[0] += usize::from(is_inside);
             count[1] += 1;
         }
