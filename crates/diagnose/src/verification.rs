@@ -51,6 +51,7 @@ mod resolution;
 mod series;
 mod side;
 mod stack;
+mod stopped;
 mod stops;
 mod take_away;
 mod tested;

@@ -8,14 +8,15 @@
 //! are: sweep by sweep, or stop by stop from below and from above (step cycle of ISO 230-2). Other axes come from the
 //! side of the pass (the readings of one cycle in one direction) where they move alone in it, otherwise from the sign
 //! of their speed there ([`side`]). Speeds come from the table: `(q_next - q_last) / (t_next - t_last)` within the
-//! pass, zero at a standstill and for a line without times. A table with one timed reading at each position does not
-//! say whether the machine stopped there; it is taken as read on the fly, so that an offset of the time stamps stays
-//! among the possible causes. A circle is run at one feed: without times its speeds are per reading.
+//! pass, zero at a standstill, for a line without times and where uneven steps take even times ([`is_stopped`]).
+//! Otherwise a table with one timed reading at each position does not say whether the machine stopped there; it is
+//! taken as read on the fly, so that an offset of the time stamps stays among the possible causes. A circle is run at one feed: without times its speeds are per reading.
 
 use trueaxis_campaign::VerificationReading;
 
 use crate::extremes::extremes;
 use crate::verification::side::{around, side};
+use crate::verification::stopped::is_stopped;
 
 /// One visit of a commanded position.
 #[derive(Debug, Clone, PartialEq)]
@@ -115,6 +116,9 @@ pub(crate) fn arrivals(readings: &[VerificationReading], measured: Option<usize>
     }
     set_progress(&mut all);
     set_motion(&mut all, timed, measured.is_none());
+    if let Some(axis) = measured.filter(|&axis| timed && is_stopped(&all, axis)) {
+        all.iter_mut().for_each(|a| a.speeds_per_s[axis] = 0.0);
+    }
     for arrival in &mut all {
         if let Some(axis) = measured {
             arrival.sides[axis] = arrival.direction;

@@ -114,3 +114,27 @@ fn at_standstill_it_is_lost_motion() {
         "{gain:?}"
     );
 }
+
+/// Uneven steps, as ISO 230-2 wants them, each reading at its own time. Where the axis stops, a long step takes hardly longer than a short
+/// one, and lost motion needs no rival; on the fly it has one.
+#[test]
+fn times_of_uneven_steps_tell_whether_it_stopped() {
+    for (stop_s, verdict) in [(4.0, Verdict::Named), (0.0, Verdict::Ambiguous)] {
+        let mut generator = generator(2, 7);
+        let mut places = places(5, &[0.0], &[25.0]);
+        let mut time_s = 0.0;
+        let mut before_mm = 0.0;
+        for place in &mut places {
+            place.x_mm += 6.0 * (2.0 * place.step as f64).sin();
+            time_s += stop_s + (place.x_mm - before_mm).abs() / 25.0;
+            (place.time_s, before_mm) = (time_s, place.x_mm);
+        }
+        let disturbance: Vec<f64> = places.iter().map(|p| -p.speed.signum()).collect();
+        let curve = curve_um(&mut generator);
+        let values = values_um(&places, &curve, &disturbance, SIGMA_UM, &mut generator);
+        let found = found(table(&places, &values, true));
+        assert_eq!(found.verdict, verdict, "{stop_s}");
+        let id = found.causes[0].effect.effect.id;
+        assert!(id == "backlash" || stop_s == 0.0, "{id}");
+    }
+}
