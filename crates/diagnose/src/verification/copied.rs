@@ -54,7 +54,16 @@ pub(crate) fn copied(readings: &[VerificationReading]) -> Option<String> {
     }
     let Run { first, rows, apart } = longest;
     let chance = (equal + 1 - rows) as f64 / (comparable + 1) as f64;
-    let expected = comparable as f64 * chance.powf(rows as f64);
+    // A value that comes again within the run is as likely in any row nearby: what hardly changes says nothing.
+    let run = &readings[first..first + rows];
+    let again = |own: &VerificationReading| {
+        let alike = run
+            .iter()
+            .filter(|other| is_same(own.value_um, other.value_um));
+        (alike.count() - 1) as f64 / (rows.max(2) - 1) as f64
+    };
+    let chances = run.iter().map(|own| again(own).max(chance));
+    let expected = comparable as f64 * chances.product::<f64>();
     if rows < LEAST_REPEATED || expected > BY_CHANCE {
         return None;
     }

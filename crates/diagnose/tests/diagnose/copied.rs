@@ -1,6 +1,6 @@
 //! Cycles that were pasted, not measured.
 
-use trueaxis_campaign::Verification;
+use trueaxis_campaign::{Direction, Verification};
 
 use crate::iso_run::table_of_stops;
 use crate::machines::normal;
@@ -59,5 +59,26 @@ fn coarse_digits_are_not_pasted() {
     for seed in 0..10 {
         assert!(!is_said(10.0, seed), "seed {seed}");
         assert!(is_said(0.1, seed), "seed {seed}");
+    }
+}
+
+/// A probe that warms up and settles within its last digit, 1.25 µm, reads dozens of rows alike: that is no copy.
+#[test]
+fn what_hardly_changes_is_not_pasted() {
+    for seed in 0..10 {
+        let mut random = generator(seed, 69);
+        let mut table = table_of_stops(80, 1, &mut |row, _, _| {
+            let value = 90.0 * (1.0 - (-(row as f64) / 20.0).exp()) + 0.25 * normal(&mut random);
+            (value / 1.25).round() * 1.25
+        });
+        for (row, reading) in table.readings.iter_mut().enumerate() {
+            reading.cycle = 1 + u32::try_from(row).unwrap();
+            reading.direction = Direction::Forward;
+        }
+        let said = found(table).notices;
+        assert!(
+            !said.iter().any(|notice| notice.contains("pasted")),
+            "{seed}: {said:?}"
+        );
     }
 }
