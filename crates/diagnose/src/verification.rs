@@ -73,6 +73,7 @@ use crate::components::diagnose_line_curve;
 use crate::said::Said;
 use crate::verification::alike::alike_scales;
 use crate::verification::autocorrelation::{Noise, alike_neighbours};
+use crate::verification::base::{count, places};
 use crate::verification::comparison::Comparison;
 use crate::verification::copied::copied;
 use crate::verification::given_once::{given_once, keep_rows_given_once};
@@ -250,9 +251,12 @@ fn judged<'a>(
     if plain.listed.base.degrees_of_freedom < LEAST_DEGREES_OF_FREEDOM {
         let are_read_out =
             comparison.line().is_some() && are_read_out(&comparison.positions(comparison.axis()));
-        let what_to_do = match are_read_out {
-            true => GIVE_COMMANDED,
-            false => "repeat the cycle",
+        let what_to_do = if are_read_out {
+            GIVE_COMMANDED
+        } else if is_read_elsewhere(comparison) {
+            "hardly any position was read twice: stop at the same positions on the way back and in each cycle, or give those commanded"
+        } else {
+            "repeat the cycle"
         };
         outcome.notices.push(format!(
             "{name}: {} readings, those of a stop counted once, leave {:.0} degrees of freedom beside the mean curve or the set-up; nothing can be said (at least {LEAST_DEGREES_OF_FREEDOM:.0} are needed: {what_to_do})",
@@ -319,4 +323,12 @@ fn judged<'a>(
     let unseen = unseen.into_iter().filter(|u| !in_curve(u.effect));
     outcome.not_observable.extend(unseen);
     Some(found)
+}
+
+/// Whether the axis of a line came from both sides, but hardly any position was read twice.
+fn is_read_elsewhere(comparison: &Comparison<'_>) -> bool {
+    let arrivals = &comparison.arrivals;
+    let from = |side: f64| arrivals.iter().any(|a| a.direction * side > 0.0);
+    let places = count(&places(comparison));
+    comparison.line().is_some() && from(1.0) && from(-1.0) && 10 * places > 9 * arrivals.len()
 }

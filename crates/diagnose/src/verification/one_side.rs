@@ -2,7 +2,8 @@
 //!
 //! On the way back each position is read again, the one where the axis turned at once, the first one last. What
 //! drifts in between grows with that time (straight or curved: time and its square are in the model); lost motion is
-//! there from the first. Where it stands out from both, the way back came from the other side.
+//! there from the first. Where it stands out from both, the way back came from the other side. At a single position
+//! readings that are higher and lower in turn came from either side in turn.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +11,7 @@ use trueaxis_selection::{Fit, Projection, ln_f_test};
 
 use crate::extremes::extremes;
 use crate::verification::arrivals::is_same;
-use crate::verification::base::stands;
+use crate::verification::base::{count as count_of, stands};
 use crate::verification::comparison::Comparison;
 
 /// Fewest positions read twice in a cycle, and least share of all.
@@ -19,6 +20,10 @@ const MOST_OF_ALL: f64 = 2.0 / 3.0;
 
 /// On the way back the shortest time between the two is at most this share of the longest.
 const THERE_AND_BACK: f64 = 1.0 / 3.0;
+
+/// First visits of a single position that do not count, taken too early, and fewest others.
+const SETTLING: usize = 2;
+const LEAST_VISITS: usize = 12;
 
 /// Probability of a doubt where there is no lost motion.
 const LEVEL: f64 = 1e-4;
@@ -34,8 +39,12 @@ pub(crate) fn doubt(comparison: &Comparison<'_>) -> Option<String> {
     if arrivals.iter().any(|a| !is_same(a.direction, direction)) {
         return None;
     }
+    let stands = stands(comparison);
+    if count_of(&stands) == 1 {
+        return in_turn(comparison, direction);
+    }
     let mut visits: BTreeMap<(u32, usize), Vec<usize>> = BTreeMap::new();
-    for (number, (arrival, stand)) in arrivals.iter().zip(stands(comparison)).enumerate() {
+    for (number, (arrival, stand)) in arrivals.iter().zip(stands).enumerate() {
         let visit = (arrival.cycle, stand);
         visits.entry(visit).or_default().push(number);
     }
@@ -68,6 +77,28 @@ pub(crate) fn doubt(comparison: &Comparison<'_>) -> Option<String> {
              the readings are {:.1} µm {} on average, as from the other side; if they were, give those rows direction {}",
             mean_um.abs(),
             if mean_um > 0.0 { "higher" } else { "lower" },
+            -direction
+        )
+    })
+}
+
+/// The same of visits of a single position that are higher and lower in turn, beside a drift and its bend.
+fn in_turn(comparison: &Comparison<'_>, direction: f64) -> Option<String> {
+    let arrivals = comparison.arrivals.get(SETTLING..)?;
+    if arrivals.len() < LEAST_VISITS {
+        return None;
+    }
+    let read = arrivals.iter().map(|a| a.value_um).collect();
+    let beside = [0, 1, 2].map(|power| arrivals.iter().map(|a| a.progress.powi(power)).collect());
+    let drift = Projection::dense(read, &beside);
+    let turns = [1.0, -1.0].into_iter().cycle().take(arrivals.len());
+    let fit = Fit::new(&drift, &[turns.collect()]);
+    let ln_p = ln_f_test(fit.gained(), drift.squares(), 1, drift.degrees_of_freedom);
+    (ln_p < LEVEL.ln()).then(|| {
+        format!(
+            "direction is {direction} in all rows, but the readings are {:.1} µm higher and lower in turn, as from one side and the other; \
+             if every other visit came from the other side, give it direction {}",
+            2.0 * fit.estimates[0].abs(),
             -direction
         )
     })

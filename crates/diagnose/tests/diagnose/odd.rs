@@ -499,3 +499,39 @@ fn what_repeats_is_no_scatter() {
     }
     assert!(whole >= 5, "{whole} of 8");
 }
+
+/// Visits of one position that read higher and lower in turn came from either side; with the same direction in all rows they were noise.
+#[test]
+fn readings_that_alternate_raise_a_doubt() {
+    let said = |apart_um: f64, seed: u64| {
+        let mut random: ChaCha8Rng = generator(seed, 53);
+        let mut table = table_of_stops(19, 1, &mut |row, _, _| {
+            let settles = 40.0 * (-(row as f64) / 4.0).exp();
+            settles + apart_um * (0.5 - (row % 2) as f64) + 2.0 * normal(&mut random)
+        });
+        for (row, reading) in table.readings.iter_mut().enumerate() {
+            reading.cycle = 1 + u32::try_from(row).unwrap();
+            reading.direction = Direction::Forward;
+        }
+        let notices = found(table).notices;
+        notices.iter().any(|notice| notice.contains("in turn"))
+    };
+    assert!((0..20).all(|seed| said(15.0, seed)));
+    assert!(!(0..20).any(|seed| said(0.0, seed)));
+}
+
+/// A sweep that reads elsewhere on its way back says nothing about either; what to do was "repeat the cycle".
+#[test]
+fn positions_that_never_come_again_are_said() {
+    let mut table = lost_motion(4);
+    for (row, reading) in table.readings.iter_mut().enumerate() {
+        reading.positions[0] += 25.0 * (row as f64).sin();
+    }
+    let found = found(table);
+    assert_eq!(found.verdict, Verdict::NotJudged);
+    assert!(
+        found.notices[0].contains("read twice"),
+        "{:?}",
+        found.notices
+    );
+}
