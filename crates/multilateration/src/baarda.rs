@@ -18,7 +18,6 @@ use trueaxis_leastsquares::{Lanes, lanes_only, zeros};
 
 use crate::batch_influence::{BatchInfluence, BatchRows};
 use crate::batches::Batch;
-use crate::network::VisitsByGroup;
 use crate::slots::Slots;
 use crate::{Network, Solution};
 
@@ -75,13 +74,14 @@ fn test_all(influence: &BatchInfluence<'_>) -> Tests {
                 readings: Vec::with_capacity(readings),
                 visits: Vec::new(),
             };
-            let (mut slots, mut work) = (Slots::default(), BatchTests::default());
+            let mut slots = Slots::new(network, &by_group);
+            let mut work = BatchTests::default();
             for b in piece {
                 influence.fill(b, rows);
                 work.fill(influence, &batches[b], rows);
-                slots.take(network, &by_group, batches[b].groups.clone());
+                slots.take(batches[b].groups.clone());
                 let taken = (&batches[b], rows.variances.as_slice(), &slots);
-                work.append((network, &by_group), taken, &mut tests);
+                work.append(taken, &mut tests);
             }
             tests
         },
@@ -192,14 +192,13 @@ impl BatchTests {
     /// Appends the tests of the groups of a batch with these variances, whose readings have these slots.
     fn append(
         &self,
-        (network, by_group): (&Network, &VisitsByGroup),
-        (batch, variances, slots): (&Batch, &[Lanes], &Slots),
+        (batch, variances, slots): (&Batch, &[Lanes], &Slots<'_>),
         tests: &mut OfGroups,
     ) {
         for (lane, group) in batch.groups.clone().enumerate() {
-            for (number, own) in slots.visits((lane, group), network, by_group) {
+            for (number, own) in slots.visits((lane, group)) {
                 let of_slot = |&(slot, reading): &(usize, usize)| {
-                    let factor = network.variance_factor(reading);
+                    let factor = slots.network.variance_factor(reading);
                     let inflation = variances[slot].0[lane] * (1.0 - 1.0 / factor);
                     (reading, self.readings[slot].reading(lane, inflation))
                 };

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use trueaxis_leastsquares::{LANES, Lanes};
 
 use crate::lane_vectors::{LaneVector, splat};
-use crate::network::{Network, VisitsByGroup};
+use crate::network::Network;
 use crate::pieces::{in_parallel, pieces};
 use crate::reflectors::contrast;
 use crate::returns::LaneReturn;
@@ -66,7 +66,7 @@ pub(crate) fn batches(network: &Network) -> Vec<Batch> {
         .any(|f| f.total_cmp(&1.0).is_ne());
     let of_pieces = in_parallel(pieces(ranges.len()), |numbers| {
         let groups = &ranges[numbers];
-        piece((network, &by_group), &zeros, is_inflated, groups)
+        piece(Slots::new(network, &by_group), &zeros, is_inflated, groups)
     });
     let mut batches = Vec::with_capacity(ranges.len());
     batches.extend(of_pieces.into_iter().flatten());
@@ -90,14 +90,14 @@ fn side_by_side<K: PartialEq>(kinds: impl IntoIterator<Item = K>) -> Vec<Range<u
 
 /// The batches of some ranges of groups.
 fn piece(
-    (network, by_group): (&Network, &VisitsByGroup),
+    mut slots: Slots<'_>,
     zero_of_readings: &[usize],
     is_inflated: bool,
     ranges: &[Range<usize>],
 ) -> Vec<Batch> {
-    let mut slots = Slots::default();
+    let network = slots.network;
     let batch = |groups: &Range<usize>| {
-        slots.take(network, by_group, groups.clone());
+        slots.take(groups.clone());
         let layout = Arc::clone(&slots.layout);
         let first = network.groups[groups.start].start;
         let points = network.groups[groups.start].len();
@@ -123,7 +123,7 @@ fn piece(
             readings: slots.readings(),
         };
         batch.take_contrasts(network);
-        batch.take_numbers(network, &slots, zero_of_readings);
+        batch.take_numbers(&slots, zero_of_readings);
         batch
     };
     ranges.iter().map(batch).collect()
@@ -171,7 +171,8 @@ pub(crate) fn check_seen(batches: &[Batch], need: usize) -> Result<(), Error> {
 
 impl Batch {
     /// Takes lengths, variance factors and, if the network has interruptions, dead paths.
-    fn take_numbers(&mut self, network: &Network, slots: &Slots, zero_of_readings: &[usize]) {
+    fn take_numbers(&mut self, slots: &Slots<'_>, zero_of_readings: &[usize]) {
+        let network = slots.network;
         if !zero_of_readings.is_empty() {
             for visit in &self.layout.visits {
                 self.zeros.resize(visit.slots.end, [visit.station; LANES]);

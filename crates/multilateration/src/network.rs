@@ -239,21 +239,12 @@ impl Network {
     }
 
     /// The visits of every group, in order.
-    pub(crate) fn visits_by_group(&self) -> VisitsByGroup {
-        let mut starts = vec![0; self.groups.len() + 1];
-        for visit in &self.visits {
-            starts[visit.group + 1] += 1;
-        }
-        for g in 0..self.groups.len() {
-            starts[g + 1] += starts[g];
-        }
-        let mut next = starts.clone();
-        let mut visits = vec![0; self.visits.len()];
+    pub(crate) fn visits_by_group(&self) -> Vec<Vec<usize>> {
+        let mut visits = vec![Vec::new(); self.groups.len()];
         for (i, visit) in self.visits.iter().enumerate() {
-            visits[next[visit.group]] = i;
-            next[visit.group] += 1;
+            visits[visit.group].push(i);
         }
-        VisitsByGroup { starts, visits }
+        visits
     }
 }
 
@@ -276,20 +267,5 @@ fn check_parts<'r>(
         false => Err(Error::malformed(format!(
             "{what} from {next} on belong to no {owner}"
         ))),
-    }
-}
-
-/// The visits of every group.
-#[derive(Debug, Clone)]
-pub(crate) struct VisitsByGroup {
-    /// Start of the visits of each group, and last the number of all.
-    starts: Vec<usize>,
-    visits: Vec<usize>,
-}
-
-impl VisitsByGroup {
-    /// The visits of a group, in order.
-    pub(crate) fn of(&self, group: usize) -> &[usize] {
-        &self.visits[self.starts[group]..self.starts[group + 1]]
     }
 }

@@ -7,7 +7,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::network::{Network, VisitsByGroup};
+use crate::network::Network;
 use crate::noise::factor_len;
 
 /// The slots of a batch; batches of a campaign measured by a plan share one layout.
@@ -57,8 +57,11 @@ struct Key {
 }
 
 /// The slots of a batch, for one batch after the other.
-#[derive(Debug, Default)]
-pub(crate) struct Slots {
+#[derive(Debug)]
+pub(crate) struct Slots<'n> {
+    pub(crate) network: &'n Network,
+    /// Its visits by group.
+    by_group: &'n [Vec<usize>],
     /// Of the batch.
     pub(crate) layout: Arc<Layout>,
     /// Slot and reading, group after group.
@@ -80,19 +83,27 @@ struct Plan {
     readings: Vec<(usize, usize)>,
 }
 
-impl Slots {
+impl<'n> Slots<'n> {
+    /// No slots yet of a network with these visits of each group ([`Network::visits_by_group`]).
+    pub(crate) fn new(network: &'n Network, by_group: &'n [Vec<usize>]) -> Self {
+        Self {
+            network,
+            by_group,
+            layout: Arc::default(),
+            places: Vec::new(),
+            ends: Vec::new(),
+            plan: Plan::default(),
+            keys: Vec::new(),
+        }
+    }
+
     /// Takes the slots of some groups.
-    pub(crate) fn take(
-        &mut self,
-        network: &Network,
-        by_group: &VisitsByGroup,
-        groups: Range<usize>,
-    ) {
+    pub(crate) fn take(&mut self, groups: Range<usize>) {
         self.places.clear();
         self.ends.clear();
         let mut of_groups = groups.clone();
-        if !of_groups.all(|group| self.place_by_plan(network, group, by_group.of(group))) {
-            self.place_by_keys(network, by_group, groups);
+        if !of_groups.all(|group| self.place_by_plan(group)) {
+            self.place_by_keys(groups);
         }
     }
 
@@ -103,16 +114,14 @@ impl Slots {
     }
 
     /// The visits of `group` of the network, the `k`th of the batch, each with slot and index of its readings.
-    pub(crate) fn visits<'a>(
-        &'a self,
+    pub(crate) fn visits(
+        &self,
         (k, group): (usize, usize),
-        network: &'a Network,
-        by_group: &'a VisitsByGroup,
-    ) -> impl Iterator<Item = (usize, &'a [(usize, usize)])> {
+    ) -> impl Iterator<Item = (usize, &[(usize, usize)])> {
         let mut places = self.places(k);
-        by_group.of(group).iter().map(move |&visit| {
+        self.by_group[group].iter().map(move |&visit| {
             let own;
-            (own, places) = places.split_at(network.visits[visit].readings.len());
+            (own, places) = places.split_at(self.network.visits[visit].readings.len());
             (visit, own)
         })
     }
@@ -123,7 +132,8 @@ impl Slots {
     }
 
     /// Appends the places of a group; false if it was not measured by the plan.
-    fn place_by_plan(&mut self, network: &Network, group: usize, visits: &[usize]) -> bool {
+    fn place_by_plan(&mut self, group: usize) -> bool {
+        let (network, visits) = (self.network, &self.by_group[group]);
         let points = network.groups[group].len();
         if (points, visits.len()) != (self.plan.points, self.plan.visits.len()) {
             return false;
@@ -146,12 +156,12 @@ impl Slots {
     }
 
     /// Finds the slots of groups that differ; if all are the same, the first group becomes the plan.
-    fn place_by_keys(&mut self, network: &Network, by_group: &VisitsByGroup, groups: Range<usize>) {
+    fn place_by_keys(&mut self, groups: Range<usize>) {
         self.keys.clear();
         self.places.clear();
         self.ends.clear();
         for group in groups.clone() {
-            append_keys(network, by_group.of(group), &mut self.keys);
+            append_keys(self.network, &self.by_group[group], &mut self.keys);
             self.ends.push(self.keys.len());
         }
         let mut slots: Vec<Key> = self.keys.iter().map(|&(key, _)| key).collect();
@@ -168,32 +178,24 @@ impl Slots {
         });
         self.plan = Plan::default();
         if self.places.len() == slots.len() * groups.len() {
-            self.plan = Plan::new(network, groups.start, by_group, self.places(0));
+            self.plan = self.plan_of(groups.start);
         }
     }
-}
 
-impl Plan {
-    fn new(
-        network: &Network,
-        group: usize,
-        by_group: &VisitsByGroup,
-        places: &[(usize, usize)],
-    ) -> Self {
-        let mut plan = Self {
+    /// The plan by which the first group of the batch was measured.
+    fn plan_of(&self, group: usize) -> Plan {
+        let network = self.network;
+        let mut plan = Plan {
             points: network.groups[group].len(),
-            ..Self::default()
+            ..Plan::default()
         };
-        for &v in by_group.of(group) {
-            let visit = &network.visits[v];
+        for (v, own) in self.visits((0, group)) {
             let first = plan.readings.len();
-            let own = &places[first..first + visit.readings.len()];
-            let readings = own
-                .iter()
-                .map(|&(slot, i)| (network.readings[i].point, slot));
-            plan.readings.extend(readings);
-            plan.visits
-                .push((visit.station, first..plan.readings.len()));
+            let of_own = own.iter();
+            plan.readings
+                .extend(of_own.map(|&(slot, i)| (network.readings[i].point, slot)));
+            let station = network.visits[v].station;
+            plan.visits.push((station, first..plan.readings.len()));
         }
         plan
     }

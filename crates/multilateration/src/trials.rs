@@ -107,15 +107,15 @@ impl Trials {
     pub fn new(network: &Network, solution: &Solution) -> Self {
         let influence = BatchInfluence::new(network, solution);
         let by_group = network.visits_by_group();
-        let (mut slots, mut rows) = (Slots::default(), BatchRows::default());
+        let (mut slots, mut rows) = (Slots::new(network, &by_group), BatchRows::default());
         let mut noise = ErrorNoise::new(network);
         let mut groups = Vec::with_capacity(influence.batches().len());
         let mut starts = vec![0];
         for b in 0..influence.batches().len() {
             influence.fill(b, &mut rows);
             let batch = &influence.batches()[b];
-            slots.take(network, &by_group, batch.groups.clone());
-            noise.take((network, &by_group), (batch, &rows), &slots);
+            slots.take(batch.groups.clone());
+            noise.take((batch, &rows), &slots);
             let of_batch = TrialGroups::new(&influence, b, &rows, &slots);
             for _ in batch.groups.clone() {
                 starts.push(starts[starts.len() - 1] + of_batch.unknowns());

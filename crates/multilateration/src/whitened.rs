@@ -88,19 +88,19 @@ impl Whitened {
         let mut places: Vec<_> = whitened.by_visit(network).into_iter().map(Some).collect();
         let of_piece = |piece: Range<usize>| {
             let visits = groups_of(influence.batches(), &[piece])[0].clone();
-            let visits = visits.flat_map(|group| by_group.of(group));
+            let visits = visits.flat_map(|group| &by_group[group]);
             visits.filter_map(|&visit| places[visit].take()).collect()
         };
         let parts = influence.pieces().map(of_piece).collect();
         influence.with_pieces(parts, |piece, places: Vec<VisitRows<'_>>, hat| {
-            let (mut slots, mut places) = (Slots::default(), places.into_iter());
+            let (mut slots, mut places) = (Slots::new(network, &by_group), places.into_iter());
             for b in piece {
                 let batch = &influence.batches()[b];
                 influence.fill(b, hat);
-                slots.take(network, &by_group, batch.groups.clone());
+                slots.take(batch.groups.clone());
                 for (lane, group) in batch.groups.clone().enumerate() {
                     // The slots first: a zip asks its left side once more than its right.
-                    let visits = slots.visits((lane, group), network, &by_group);
+                    let visits = slots.visits((lane, group));
                     for ((_, own), place) in visits.zip(&mut places) {
                         place.fill(own, (batch, hat, lane));
                     }

@@ -8,7 +8,7 @@ use rand_distr::StandardNormal;
 
 use crate::batch_influence::BatchRows;
 use crate::batches::Batch;
-use crate::network::{Network, VisitsByGroup};
+use crate::network::Network;
 use crate::slots::Slots;
 
 /// Factors of all visits in measuring order.
@@ -35,20 +35,15 @@ impl ErrorNoise {
     }
 
     /// Takes the factors of the visits to the groups of a batch.
-    pub(crate) fn take(
-        &mut self,
-        (network, by_group): (&Network, &VisitsByGroup),
-        (batch, rows): (&Batch, &BatchRows),
-        slots: &Slots,
-    ) {
+    pub(crate) fn take(&mut self, (batch, rows): (&Batch, &BatchRows), slots: &Slots<'_>) {
         let visits: Vec<_> = rows.visits(batch).collect();
         let mut row = Vec::new();
         for (lane, group) in batch.groups.clone().enumerate() {
-            for (v, places) in slots.visits((lane, group), network, by_group) {
+            for (v, places) in slots.visits((lane, group)) {
                 let Some((visit, own)) = batch.layout.in_order(places) else {
                     continue;
                 };
-                let (visit, first) = (&visits[visit], network.visits[v].readings.start);
+                let (visit, first) = (&visits[visit], slots.network.visits[v].readings.start);
                 let mut factor = self.factors[self.starts[v]..].iter_mut();
                 for (k, &(slot, reading)) in own.iter().enumerate() {
                     self.order[first + k] = reading;

@@ -73,7 +73,7 @@ impl TrialGroups {
         influence: &BatchInfluence<'_>,
         b: usize,
         rows: &BatchRows,
-        slots: &Slots,
+        slots: &Slots<'_>,
     ) -> Self {
         let batches = influence.batches();
         let (batch, state) = (&batches[b], &influence.state);
