@@ -52,14 +52,10 @@ pub struct Trials {
     /// What is known beside the lengths.
     known: Vec<KnownRow>,
     groups: Vec<TrialGroups>,
-    /// Start of the unknowns of each group, and last their number.
-    starts: Vec<usize>,
-    points: usize,
     /// `Σ`, rows one after the other.
     reduced_inverse: Vec<f64>,
-    shared: usize,
-    stations: usize,
-    mean_constant: Option<usize>,
+    /// Those of a trial without errors.
+    corrections: Corrections,
 }
 
 /// Effect of the errors of one trial on the solution.
@@ -67,6 +63,7 @@ pub struct Trials {
 pub struct Corrections {
     points: Vec<Vector3<f64>>,
     groups: Vec<f64>,
+    /// Start of the unknowns of each group, and last their number.
     starts: Vec<usize>,
     shared: Vec<f64>,
     stations: usize,
@@ -126,12 +123,15 @@ impl Trials {
             noise,
             known: solution.known_rows(network),
             groups,
-            starts,
-            points: network.nominal_mm.len(),
             reduced_inverse: influence.sigma().as_slice().to_vec(),
-            shared: solution.covariance.shared().nrows(),
-            stations: network.stations.len(),
-            mean_constant: solution.mean_constant_column(),
+            corrections: Corrections {
+                points: vec![Vector3::zeros(); network.nominal_mm.len()],
+                groups: vec![0.0; starts[starts.len() - 1]],
+                starts,
+                shared: vec![0.0; solution.covariance.shared().nrows()],
+                stations: network.stations.len(),
+                mean_constant: solution.mean_constant_column(),
+            },
         }
     }
 
@@ -143,7 +143,7 @@ impl Trials {
 
     /// Number of points of the network.
     pub fn points(&self) -> usize {
-        self.points
+        self.corrections.points.len()
     }
 
     /// Storage for trials, one for each thread. It carries nothing from one trial to the next.
@@ -155,14 +155,7 @@ impl Trials {
         };
         let width = self.reduced_inverse.len().isqrt();
         Workspace {
-            corrections: Corrections {
-                points: vec![Vector3::zeros(); self.points],
-                groups: vec![0.0; self.starts.last().copied().unwrap_or(0)],
-                starts: self.starts.clone(),
-                shared: vec![0.0; self.shared],
-                stations: self.stations,
-                mean_constant: self.mean_constant,
-            },
+            corrections: self.corrections.clone(),
             batches: self.groups.iter().map(of_batch).collect(),
             of_known: vec![0.0; self.known.len()],
             shared: vec![Lanes::ZERO; width],
@@ -210,7 +203,7 @@ impl Trials {
         // Corrections shrink by a constant factor, so the omitted ones are about the square of the last over the one
         // before. The linear solution counts with one unknown's share, because the direction that shrinks least is
         // one of many.
-        let unknowns = workspace.corrections.groups.len() + self.shared;
+        let unknowns = self.corrections.groups.len() + self.corrections.shared.len();
         let mut before = self.correct(workspace) / (unknowns as f64).sqrt();
         for _ in 0..MAX_CORRECTIONS {
             let length = self.correct(workspace);
@@ -259,7 +252,7 @@ impl Trials {
         zeros(shared, width);
         let mut squares = 0.0;
         let mut closure = [Lanes::ZERO; DATUM];
-        let mut gradient = vec![Lanes::ZERO; self.shared];
+        let mut gradient = vec![Lanes::ZERO; corrections.shared.len()];
         for (groups, own) in self.groups.iter().zip(&mut *batches) {
             let at = At {
                 own: &own.corrections,
@@ -280,7 +273,7 @@ impl Trials {
         for (right, gradient) in right.iter_mut().zip(&gradient) {
             *right += gradient.sum();
         }
-        for (right, missed) in right[self.shared..].iter_mut().zip(&closure) {
+        for (right, missed) in right[gradient.len()..].iter_mut().zip(&closure) {
             *right -= missed.sum();
         }
         for (step, row) in step
@@ -317,7 +310,7 @@ impl Trials {
             };
             groups.hand_out(
                 &at,
-                (&mut corrections.groups, &self.starts),
+                (&mut corrections.groups, &corrections.starts),
                 &mut corrections.points,
                 of_batch,
             );
