@@ -34,8 +34,8 @@ impl Reduced {
     /// # Errors
     /// [`Error::SharedRank`], [`Error::NotFinite`].
     pub fn shortest_correction(&self, free_motions: &[Vec<f64>]) -> Result<Correction, Error> {
-        debug_assert_eq!(self.datum(), 0, "constraints");
-        let n = self.shared();
+        debug_assert_eq!(self.datum, 0, "constraints");
+        let n = self.shared;
         let (units, mut matrix) = self.in_units(n)?;
         let motions = orthonormal(free_motions, &units);
         let right: Vec<f64> = (0..n)

@@ -194,7 +194,7 @@ pub fn adjust<M: Adjustment>(model: &M, start: &M::State) -> Result<Adjusted<M::
             [.., _, last] if correction < MOST_RATE * last => correction / last,
             _ => 1.0,
         };
-        let mut squares = system.squares();
+        let mut squares = system.squares;
         iterations += 1;
 
         let from = (&state, &mut linearised);
@@ -232,7 +232,7 @@ pub fn adjust<M: Adjustment>(model: &M, start: &M::State) -> Result<Adjusted<M::
         return Ok(Adjusted {
             state,
             squares: squares.max(0.0),
-            observations: system.observations(),
+            observations: system.observations,
             unknowns: system.unknowns() - motions.len(),
             iterations,
             termination,

@@ -25,13 +25,16 @@ use crate::dot::dot;
 /// Sums over some or all blocks.
 #[derive(Debug, Clone)]
 pub struct Reduced {
-    shared: usize,
-    datum: usize,
+    /// Number of shared unknowns, and of constraints.
+    pub(crate) shared: usize,
+    pub(crate) datum: usize,
     /// Rows of the matrix above, bordered by the right side as last column; of the symmetric part
     /// the upper triangle.
     matrix: Vec<f64>,
-    squares: f64,
-    observations: usize,
+    /// Sum of squares of the whitened residuals, `Σ|r|²`.
+    pub(crate) squares: f64,
+    /// Number of rows, and of unknowns of blocks.
+    pub(crate) observations: usize,
     block_unknowns: usize,
 }
 
@@ -71,28 +74,8 @@ impl Reduced {
         }
     }
 
-    /// Number of shared unknowns.
-    pub fn shared(&self) -> usize {
-        self.shared
-    }
-
-    /// Number of constraints.
-    pub fn datum(&self) -> usize {
-        self.datum
-    }
-
-    /// Sum of squares of the whitened residuals, `Σ|r|²`.
-    pub fn squares(&self) -> f64 {
-        self.squares
-    }
-
-    /// Number of rows.
-    pub fn observations(&self) -> usize {
-        self.observations
-    }
-
     /// Number of unknowns, blocks and shared.
-    pub fn unknowns(&self) -> usize {
+    pub(crate) fn unknowns(&self) -> usize {
         self.block_unknowns + self.shared
     }
 
@@ -208,7 +191,7 @@ impl Reduced {
     /// so that the inverse has an eigenvalue of at least the limit's reciprocal.
     pub(crate) fn rules_out_free(&self, largest: f64) -> bool {
         // The largest eigenvalue of the matrix is not above the sum of all, the number of shared unknowns.
-        largest * SHARED_RANK_TOL * (self.shared() as f64) < 1.0
+        largest * SHARED_RANK_TOL * (self.shared as f64) < 1.0
     }
 
     /// Checks that no more than `expected` combinations of the shared unknowns are free; `motions`,
