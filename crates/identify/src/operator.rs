@@ -1,10 +1,8 @@
 //! The linear map from volumetric errors to component errors.
 
-use nalgebra::{DMatrix, Dyn, Matrix6, OMatrix, U6, Vector3, Vector6};
+use nalgebra::{Dyn, OMatrix, U6, Vector3, Vector6};
 use trueaxis_kinematics::MotionError;
 
-use crate::Error;
-use crate::covariance::require_covariance;
 use crate::design::CentredTargets;
 
 /// The six component errors as a linear function of the volumetric errors of the targets:
@@ -69,16 +67,6 @@ impl Operator {
     pub fn noise_gain(&self) -> Vector6<f64> {
         let squares = self.matrix.component_mul(&self.matrix);
         squares.column_sum().map(f64::sqrt)
-    }
-
-    /// Covariance `P C Pᵀ` of the component errors (mm, rad) for the covariance C of the points
-    /// (3T x 3T, mm², targets in order, x y z within each).
-    ///
-    /// # Errors
-    /// [`Error::CovarianceShape`] or [`Error::CovarianceAsymmetric`]. A singular C is allowed.
-    pub fn covariance(&self, points: &DMatrix<f64>) -> Result<Matrix6<f64>, Error> {
-        require_covariance(points, 3 * self.targets.len())?;
-        Ok(&self.matrix * points * self.matrix.transpose())
     }
 
     /// The matrix P: 6 rows δx δy δz (mm per mm) εx εy εz (rad per mm), three columns per target.
