@@ -91,7 +91,7 @@ pub(crate) fn calibrate_as_given<'a>(
     let mut measured = measure(campaign, &settings.poses)?;
     let instrument = std::mem::take(&mut measured.poses.instrument);
     let poses = &measured.poses;
-    let stations = &measured.stations()[..];
+    let stations = &measured.of_lengths(LengthsAdjustment::stations)[..];
     let data = by_axis(campaign, poses)?;
     if settings.covariance {
         check_covariance(&machine, &data, stations.len())?;
@@ -138,7 +138,7 @@ pub(crate) fn calibrate_as_given<'a>(
         OutputCovariance::new(&factors, results.map(|result| result.output).collect())
     });
     let mut targets_mm = mean_targets(&context, &identified.state);
-    for (target, in_datum_mm) in measured.targets_on_bed() {
+    for (target, in_datum_mm) in measured.of_lengths(LengthsAdjustment::targets_on_bed) {
         targets_mm[target] = Some(identified.state.ref_from_datum * in_datum_mm);
     }
     let mut calibration = Calibration {
@@ -148,9 +148,10 @@ pub(crate) fn calibrate_as_given<'a>(
         method: measured.method,
         adjustment: measured.adjustment.clone(),
         stations,
-        reflectors: measured.reflectors(),
-        reflectors_are_relative: !measured.knows_mean_constant(),
-        scale: measured.scale(),
+        reflectors: measured.of_lengths(LengthsAdjustment::reflectors),
+        reflectors_are_relative: lengths
+            .is_none_or(|l| l.screened.solution.mean_constant_mm.is_none()),
+        scale: measured.of_lengths(LengthsAdjustment::scale),
         uncertainty: statement(campaign, &measured),
         targets: target_results(campaign, &targets_mm),
         relative_locations,
@@ -159,7 +160,7 @@ pub(crate) fn calibrate_as_given<'a>(
         covariance,
         misfits: measured.misfits.clone(),
         turned_runs: measured.turned_runs.clone(),
-        known_misfits: measured.known_misfits(),
+        known_misfits: measured.of_lengths(|lengths| lengths.known_misfits.clone()),
         residuals,
         triangle: triangle(&context, &targets_mm, measured.point_variance_mm2),
         effects: Vec::new(),

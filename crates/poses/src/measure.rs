@@ -1,20 +1,19 @@
 //! The headline verb: from a campaign to the poses of its stages.
 
-use nalgebra::{Matrix2, Point3};
+use nalgebra::Matrix2;
 use trueaxis_campaign::{Campaign, Lengths, Points};
 use trueaxis_identify::SixRows;
 use trueaxis_kinematics::{MICROMETRE, Machine};
-use trueaxis_multilateration::Station;
 
 use crate::Error;
-use crate::lengths::{LengthsAdjustment, ReflectorConstant, ScaleResult};
+use crate::lengths::LengthsAdjustment;
 use crate::points::equations::{PointEquations, PointPoses, poses_from_points};
 use crate::points::noise_shown::noise_shown;
 use crate::points::report::points_report;
 use crate::points::turned_runs::turned_runs;
 use crate::points::{MeasuredPoints, points_from_coordinates, rigidity};
 use crate::poses::{PoseNoise, Poses};
-use crate::report::{AdjustmentReport, KnownMisfit, StepMisfit, TurnedRuns};
+use crate::report::{AdjustmentReport, StepMisfit, TurnedRuns};
 use crate::residual::Residual;
 use crate::settings::{Method, Settings};
 
@@ -233,26 +232,6 @@ impl<'a> MeasuredPoses<'a> {
         lengths.map_or_else(of_points, LengthsAdjustment::residuals)
     }
 
-    /// The constants of the reflectors; none where they were not determined and for a points campaign.
-    pub fn reflectors(&self) -> Vec<ReflectorConstant> {
-        self.of_lengths(LengthsAdjustment::reflectors)
-    }
-
-    /// The adjusted stations, in the order of the campaign and in the datum; none for a points campaign.
-    pub fn stations(&self) -> Vec<Station> {
-        self.of_lengths(LengthsAdjustment::stations)
-    }
-
-    /// Whether known dead paths determine what the constants of all reflectors have in common.
-    pub fn knows_mean_constant(&self) -> bool {
-        self.of_lengths(|lengths| lengths.screened.solution.mean_constant_mm.is_some())
-    }
-
-    /// The scale of all lengths, where it is an unknown.
-    pub fn scale(&self) -> Option<ScaleResult> {
-        self.of_lengths(LengthsAdjustment::scale)
-    }
-
     /// Standard deviation of the scale that a points campaign declares.
     pub(crate) fn declared_scale(&self) -> f64 {
         let ppm = self.campaign.instrument.scale_sigma_ppm;
@@ -260,18 +239,8 @@ impl<'a> MeasuredPoses<'a> {
         ppm.map_or(0.0, |ppm| ppm * 1e-6)
     }
 
-    /// The positions of the targets on the bed, in the datum, mm, with their numbers.
-    pub fn targets_on_bed(&self) -> Vec<(usize, Point3<f64>)> {
-        self.of_lengths(LengthsAdjustment::targets_on_bed)
-    }
-
-    /// What is known beside the lengths and contradicts them.
-    pub fn known_misfits(&self) -> Vec<KnownMisfit> {
-        self.of_lengths(|lengths| lengths.known_misfits.clone())
-    }
-
     /// What `of` gives for lengths; nothing for a points campaign.
-    fn of_lengths<T: Default>(&self, of: impl FnOnce(&LengthsAdjustment<'a>) -> T) -> T {
+    pub fn of_lengths<T: Default>(&self, of: impl FnOnce(&LengthsAdjustment<'a>) -> T) -> T {
         self.lengths.as_ref().map(of).unwrap_or_default()
     }
 

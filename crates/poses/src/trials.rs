@@ -13,6 +13,7 @@ use trueaxis_kinematics::centroid;
 use trueaxis_multilateration::{Station, Trials, Workspace};
 
 use crate::Error;
+use crate::lengths::LengthsAdjustment;
 use crate::lengths::scale::at_scale;
 use crate::measure::MeasuredPoses;
 
@@ -142,7 +143,8 @@ impl<'a> PoseTrials<'a> {
                 let of_lengths = adjustment.and_then(|lengths| lengths.scale.as_ref());
                 scale = of_lengths.map_or(0.0, |of| of.change(solved, [of_scale[0], of_scale[1]]));
                 let mean_constant_mm = solved.mean_constant_mm();
-                let adjusted = self.measured.stations().into_iter().enumerate();
+                let adjusted = self.measured.of_lengths(LengthsAdjustment::stations);
+                let adjusted = adjusted.into_iter().enumerate();
                 stations.extend(adjusted.map(|(j, adjusted)| Station {
                     position_mm: (adjusted.position_mm + solved.station_mm(j)) / (1.0 + scale),
                     dead_path_mm: adjusted.dead_path_mm + solved.dead_path_mm(j) + mean_constant_mm,

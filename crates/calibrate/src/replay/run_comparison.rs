@@ -12,7 +12,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector6};
 use trueaxis_campaign::Direction;
-use trueaxis_poses::PoseNoise;
+use trueaxis_poses::{LengthsAdjustment, PoseNoise};
 
 use crate::calibrate::found;
 use crate::identify::state::State;
@@ -64,7 +64,7 @@ impl Replay<'_> {
         let poses = &self.trials.measured.poses;
         let measured = found(poses);
         let context = self.context(&measured);
-        let stations = self.trials.measured.stations();
+        let stations = self.trials.measured.of_lengths(LengthsAdjustment::stations);
         let dependence = Dependence::new(&context, &self.identified, &stations);
         let noise = Noise::new(&dependence, &poses.noise);
         let axes = 0..self.data.len();

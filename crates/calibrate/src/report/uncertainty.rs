@@ -3,7 +3,7 @@
 //! [`parts`] has one entry for each possible part of U; new parts belong there.
 
 use trueaxis_campaign::{Campaign, Stop};
-use trueaxis_poses::{MeasuredPoses, ScaleBasis, step_in_words};
+use trueaxis_poses::{LengthsAdjustment, MeasuredPoses, ScaleBasis, step_in_words};
 
 use crate::result::calibration::UncertaintyStatement;
 
@@ -26,7 +26,7 @@ pub(crate) fn statement(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Un
 fn parts(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Vec<Part> {
     let mut parts: Vec<Part> = vec![Ok("noise and geometry".to_owned())];
     // A single reflector has no differences.
-    let several = measured.reflectors().len() > 1;
+    let several = measured.of_lengths(LengthsAdjustment::reflectors).len() > 1;
     parts.extend(several.then(|| Ok("reflectors".to_owned())));
     let dead_paths = campaign.stations.iter().any(|s| s.dead_path.is_some());
     let take_part = measured.lengths.is_some() && dead_paths;
@@ -148,7 +148,8 @@ fn temperatures(campaign: &Campaign) -> Option<Part> {
 
 fn scale(campaign: &Campaign, measured: &MeasuredPoses<'_>) -> Part {
     let declared = campaign.instrument.scale_sigma_ppm.is_some();
-    let part = match (measured.scale().map(|scale| scale.basis), &measured.lengths) {
+    let scale = measured.of_lengths(LengthsAdjustment::scale);
+    let part = match (scale.map(|scale| scale.basis), &measured.lengths) {
         (Some(ScaleBasis::Declared), _) => Ok("scale of the instrument"),
         (Some(ScaleBasis::KnownLengths | ScaleBasis::Both), _) => Ok("scale by known lengths"),
         (None, None) if declared => Ok("scale of the instrument"),
