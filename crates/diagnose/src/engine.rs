@@ -36,9 +36,9 @@
 //! - [`between`]: a shape between two of a list.
 //! - [`mod@forward`]: the search for causes; [`search`]: where everything is adjusted anew with each; [`linear`]: where
 //!   nothing is, in the readings of a verification, of all together, and in runs.
-//! - [`smooth`]: how much a process of unknown form explains; [`mod@disturbance`]: disturbances of lengths and points
-//!   ([`mod@wandering`]), where they have more evidence than causes or are left beside them ([`competition`]);
-//!   [`mod@wandered`] reports them.
+//! - [`smooth`]: how much a process of unknown form explains; [`mod@disturbance`]: what wanders, and in what form;
+//!   [`mod@wandering`]: the search for disturbances, in lengths and points by [`wanders`], where they have more evidence
+//!   than causes or are left beside them ([`competition`]); [`mod@wandered`] reports them.
 //! - [`culprit`]: whether two causes are one trouble under two names.
 //! - [`omnibus`]: whether anything is left, and what it varies with; causes that only imitate it.
 //! - [`held_out`]: the gain on sweeps not used for the fit.
@@ -66,7 +66,7 @@ mod search;
 mod smooth;
 mod unseen;
 mod wandered;
-pub(crate) mod wandering;
+mod wandering;
 mod wanders;
 
 pub(crate) use accidents::{first_lines, most};
@@ -92,6 +92,8 @@ pub(crate) use ranking::{Ranking, plausible, rivals};
 pub(crate) use search::{find_causes, settle};
 pub(crate) use smooth::{Posterior, SMOOTH_LEVEL, Smooth, beside_one_of, correlation_lengths};
 pub(crate) use unseen::{in_words, length_scale, unseen, untested, without_trace};
-pub(crate) use wandered::wandered;
-pub(crate) use wandering::{JudgedDisturbance, wandered_mm, whitened_columns};
-pub(crate) use wanders::Wanders;
+pub(crate) use wandered::{Coefficients, wandered};
+pub(crate) use wandering::{
+    JudgedDisturbance, Wandering, joined_by_others, leader, names, one_by_one,
+};
+pub(crate) use wanders::{Wanders, wandered_mm, whitened_columns};

@@ -26,7 +26,7 @@ mod competition;
 mod copied;
 mod described;
 mod doubted;
-mod form;
+mod functions;
 mod given_once;
 mod gross_error;
 mod gross_errors;

@@ -15,10 +15,8 @@ use trueaxis_selection::{DECISIVE, Hypothesis, Null, rank};
 
 use crate::Error;
 use crate::engine::disturbance::{Wanderer, Who, With};
-use crate::engine::wandering::{
-    JudgedDisturbance, disturbances, is_tried, judge_all, least, of_wandering, one_by_one,
-    wandering, wandering_of,
-};
+use crate::engine::wandering::{JudgedDisturbance, judge_all, names, one_by_one};
+use crate::engine::wanders::{Beside, disturbances, least, of_wandering, wandering};
 use crate::engine::{
     Culprit, Culprits, Found, SHAPE_ERROR, Search, Suspect, Wanders, find_causes, scan, scans,
     settle,
@@ -55,8 +53,9 @@ pub(crate) fn compete<D: Wanders>(
         return Ok(of_causes(search));
     }
     let suspects = D::suspects(&search.adjusted).to_vec();
+    let nothing = Beside::new(base, &[]);
     let (one_by_one, beside) = rayon::join(
-        || one_by_one(base, &[]),
+        || one_by_one(&nothing),
         || match suspects.is_empty() {
             true => Ok(Vec::new()),
             false => wandering(base, &suspects),
@@ -64,7 +63,7 @@ pub(crate) fn compete<D: Wanders>(
     );
     let (one_by_one, beside) = (one_by_one?, beside?);
     let is_complete = !suspects.is_empty() && beside.is_empty() && search.left <= 0.0;
-    if is_complete && beat_each(base, &search, &one_by_one)? {
+    if is_complete && beat_each(&search, (base, &nothing), &one_by_one.1)? {
         return Ok(of_causes(search));
     }
     let alternated = |first| described(base, alternated(base, first, candidates)?, candidates);
@@ -74,7 +73,7 @@ pub(crate) fn compete<D: Wanders>(
             false => alternated(beside),
         },
         || {
-            let alone = wandering_of(base, &[], &one_by_one)?;
+            let alone = nothing.disturbances(&one_by_one)?;
             let is_first = !is_complete && !alone.is_empty();
             let ahead = is_first.then(|| alternated(alone.clone())).transpose()?;
             Ok::<_, Error>((alone, ahead))
@@ -100,13 +99,13 @@ pub(crate) fn compete<D: Wanders>(
 /// Whether causes that explain everything have more evidence than each disturbance that may come first. That several
 /// together look like a form in the catalogue down to the noise would be a coincidence and is not tried.
 fn beat_each<D: Wanders>(
-    base: &D,
     search: &Search<D::Model>,
+    (base, nothing): (&D, &Beside<'_, D>),
     one_by_one: &[JudgedDisturbance],
 ) -> Result<bool, Error> {
     let plain = base.adjust(Vec::new(), Some(D::noise(&search.adjusted)))?;
     let of_causes = charged(base, &plain, &search.found, &[]);
-    let may_be_first = |(k, own): &(usize, &JudgedDisturbance)| *k == 0 || is_tried(base, own);
+    let may_be_first = |(k, own): &(usize, &JudgedDisturbance)| *k == 0 || nothing.is_tried(own);
     let mut first = one_by_one.iter().enumerate().filter(may_be_first);
     Ok(first.all(|(_, own)| charged(base, &plain, &[], std::slice::from_ref(own)) <= of_causes))
 }
@@ -119,19 +118,19 @@ pub(crate) fn add_rival_disturbances<D: Wanders>(
     wandering: &[JudgedDisturbance],
     found: &mut [Found],
 ) -> Result<(), Error> {
-    let all = base.wanderers();
-    let is_new = |w: &Wanderer| wandering.iter().all(|own| own.disturbance.wanderer != *w);
-    let others: Vec<Wanderer> = all.iter().copied().filter(is_new).collect();
+    let beside = Beside::new(base, &[]);
+    let is_new = |w: &Wanderer| wandering.iter().all(|own| own.wanderer() != *w);
+    let others: Vec<Wanderer> = base.wanderers().into_iter().filter(is_new).collect();
     for (k, found) in found.iter_mut().enumerate() {
         let mut suspects = D::suspects(adjusted).to_vec();
         suspects.remove(k);
         let without = base.refit_near(adjusted, suspects)?;
-        let judged = judge_all(base, &without, &others, all.len());
+        let judged = judge_all(&beside, &without, &others);
         for judged in judged.iter().filter(|own| own.evidence > found.evidence) {
-            let wanderer = judged.disturbance.wanderer;
-            let names = [Some(wanderer), base.twin(wanderer)].into_iter().flatten();
-            let names = names.map(|name| (name, judged.evidence));
-            found.wandering.extend(names);
+            let names = names(&beside, judged.wanderer());
+            found
+                .wandering
+                .extend(names.map(|name| (name, judged.evidence)));
         }
     }
     Ok(())
@@ -149,7 +148,7 @@ fn described<D: Wanders>(
     loop {
         let wanders_on = |found: &Found| {
             model.wandering.iter().any(|judged| {
-                let wanderer = judged.disturbance.wanderer;
+                let wanderer = judged.wanderer();
                 let is_rest = wanderer.is_of_changing_axis()
                     && found.suspect.hypothesis.is_of_time()
                     && found.statistic < SHAPE_ERROR * judged.evidence;

@@ -4,7 +4,7 @@ use nalgebra::{Rotation3, Vector3};
 use trueaxis_effects::{Circumstances, Displaced, Effect, Subject, effect};
 use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, Ideal, MICROMETRE};
 
-use crate::engine::disturbance::Spectrum;
+use crate::engine::disturbance::Form;
 
 /// One of the quantities that vary, each with a course of its own.
 #[derive(Debug, Clone, Copy)]
@@ -27,18 +27,18 @@ impl Coordinate {
     }
 
     /// Its prior width as a multiple of that of the other coordinates.
-    pub(crate) fn prior(self, spectrum: Spectrum) -> f64 {
+    pub(crate) fn prior(self, form: Form) -> f64 {
         let Self::Geometry(motion, law) = self else {
             return 1.0;
         };
         let of_motion = match motion {
-            Motion::Displaced(_) => spectrum.displaced,
+            Motion::Displaced(_) => form.displaced,
             Motion::Turned(_) | Motion::Along => 1.0,
         };
         of_motion
             * match (motion, law) {
-                (Motion::Turned(_), Law::Constant) => spectrum.turned_at_home,
-                (_, Law::CosineTwice | Law::SineTwice) => spectrum.twice_a_turn,
+                (Motion::Turned(_), Law::Constant) => form.turned_at_home,
+                (_, Law::CosineTwice | Law::SineTwice) => form.twice_a_turn,
                 _ => 1.0,
             }
     }

@@ -50,6 +50,8 @@ pub(crate) struct Wanderer {
 /// What may wander.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Who {
+    /// The zero of the instrument that reads.
+    Instrument,
     Machine,
     Tripods,
     /// The frame in which coordinates are measured.
@@ -81,22 +83,63 @@ pub(crate) enum With {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Disturbance {
     pub(crate) wanderer: Wanderer,
-    pub(crate) spectrum: Spectrum,
+    pub(crate) form: Form,
     /// w, in the unit of what moves (µm, ppm, arcsec).
     pub(crate) width: f64,
 }
 
-/// The prior of the coefficients of a disturbance, without its width.
+/// The form of a course: the prior of its coefficients, without its width.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Spectrum {
+pub(crate) struct Form {
     /// ℓ, as a share of the range of the argument.
     pub(crate) length: f64,
+    /// Whether it swings with one period instead, as an air conditioning does.
+    pub(crate) swings: bool,
+    /// Where it goes on in pauses of unknown duration.
+    pub(crate) pauses: Pauses,
     /// Ratio of the prior widths of displacements and rotations of a stage; 1 for everything else.
     pub(crate) displaced: f64,
     /// The same of rotations that a stage makes at home, too; 1 for everything else.
     pub(crate) turned_at_home: f64,
     /// The same of what a rotary axis does twice a turn.
     pub(crate) twice_a_turn: f64,
+}
+
+impl Form {
+    /// A smooth course of this correlation length.
+    pub(crate) fn smooth(length: f64) -> Self {
+        Self {
+            length,
+            swings: false,
+            pauses: Pauses::Nowhere,
+            displaced: 1.0,
+            turned_at_home: 1.0,
+            twice_a_turn: 1.0,
+        }
+    }
+
+    /// `a sin 2πx/T + b cos 2πx/T`. As a smooth process it would pay for every other course as quick as it, and what
+    /// repeats in nearly the time of a cycle would look simpler as an error of the axis.
+    pub(crate) fn swing(period: f64) -> Self {
+        Self {
+            swings: true,
+            ..Self::smooth(0.25 * period)
+        }
+    }
+
+    /// T of a swing, after a quarter of which nothing is alike.
+    pub(crate) fn period(self) -> Option<f64> {
+        self.swings.then_some(4.0 * self.length)
+    }
+}
+
+/// Where a course goes on without readings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Pauses {
+    Nowhere,
+    /// Between two cycles, or where an instrument was set to zero for the next one; the axis turned without a pause.
+    BetweenCycles,
+    BetweenPasses,
 }
 
 /// All three for an axis that mostly tilts, one that is also out of square, and one that hardly tilts. It may tilt at home or not:
@@ -135,14 +178,16 @@ impl Wanderer {
             Who::Machine | Who::Axis(_) => Layer::Machine,
             Who::Tripods | Who::Frame | Who::Target(_) => Layer::Setup,
             Who::Station(_) if self.with == With::Occupation => Layer::Setup,
-            Who::Air | Who::Station(_) => Layer::Instrument,
+            Who::Instrument | Who::Air | Who::Station(_) => Layer::Instrument,
         }
     }
 
     /// Station, target or axis; empty for what concerns everything.
     pub(crate) fn subject(self) -> Subject {
         match self.who {
-            Who::Machine | Who::Tripods | Who::Frame | Who::Air => Subject::default(),
+            Who::Instrument | Who::Machine | Who::Tripods | Who::Frame | Who::Air => {
+                Subject::default()
+            }
             Who::Station(station) => Subject::station(station),
             Who::Target(target) => Subject::target(target),
             Who::Axis(axis) => Subject {
@@ -155,7 +200,7 @@ impl Wanderer {
     /// Number of wanderers of the same kind, which share the prior probability.
     pub(crate) fn of_kind(self, scene: &Scene) -> usize {
         match self.who {
-            Who::Machine | Who::Tripods | Who::Frame | Who::Air => 1,
+            Who::Instrument | Who::Machine | Who::Tripods | Who::Frame | Who::Air => 1,
             Who::Station(_) => scene.stations.len(),
             Who::Target(_) => scene.targets.len(),
             Who::Axis(_) => scene.machine.axes().len(),
@@ -182,6 +227,8 @@ impl Wanderer {
             // Without a station the frame has rotations, too.
             (Who::Frame, _) => &[("station_jump", 6)],
             (Who::Air, _) => &[("station_scale", 1)],
+            // Lengths and points have no such zero.
+            (Who::Instrument, _) => &[],
             (Who::Station(_), With::Position) => &[("dead_path_jump", 1)],
             (Who::Station(_), _) => &[("station_jump", 3), ("dead_path_jump", 1)],
             (Who::Target(_), _) => &[("target_slip", 3)],
@@ -211,7 +258,7 @@ impl Wanderer {
     /// The course (occupation, axis) to which a reading belongs, and its argument, 0 to 1; `None` if it does not concern the reading.
     fn place(self, here: &Here) -> Option<(usize, f64)> {
         let is_concerned = match self.who {
-            Who::Machine | Who::Tripods | Who::Frame | Who::Air => true,
+            Who::Instrument | Who::Machine | Who::Tripods | Who::Frame | Who::Air => true,
             Who::Station(station) => here.station == station,
             Who::Target(target) => here.target == target,
             // A parked axis has a position, too.
@@ -237,7 +284,7 @@ impl Wanderer {
     }
 
     /// All its priors, equally likely, for courses with this number of stops.
-    pub(crate) fn spectra(self, scene: &Scene, stops: usize) -> Vec<Spectrum> {
+    pub(crate) fn forms(self, scene: &Scene, stops: usize) -> Vec<Form> {
         let [ratios, twice]: [&[[f64; 3]]; 2] = match (self.with, self.who) {
             (With::TimeAndPosition, Who::Axis(axis)) => match scene.machine.axes()[axis].kind() {
                 AxisKind::Linear => [&OF_GEOMETRY, &[]],
@@ -246,30 +293,25 @@ impl Wanderer {
             _ => [&[[1.0; 3]], &[]],
         };
         let lengths = correlation_lengths(stops).into_iter();
-        let spectra = lengths.flat_map(|length| {
+        let forms = lengths.flat_map(|length| {
             let of_one = ratios.iter().chain(twice);
-            of_one.map(move |&[displaced, turned_at_home, twice_a_turn]| Spectrum {
-                length,
+            of_one.map(move |&[displaced, turned_at_home, twice_a_turn]| Form {
                 displaced,
                 turned_at_home,
                 twice_a_turn,
+                ..Form::smooth(length)
             })
         });
-        spectra.collect()
+        forms.collect()
     }
 
     /// `S_k^½` for each column.
-    pub(crate) fn roots_of_spectrum(
-        self,
-        scene: &Scene,
-        all: &[Here],
-        spectrum: Spectrum,
-    ) -> Vec<f64> {
-        let roots = self.basis().roots_of_spectrum(spectrum.length);
+    pub(crate) fn roots_of_spectrum(self, scene: &Scene, all: &[Here], form: Form) -> Vec<f64> {
+        let roots = self.basis().roots_of_spectrum(form.length);
         let coordinates = self.coordinates(scene).into_iter();
         let of_course = coordinates.flat_map(|coordinate| {
             let roots = roots.iter();
-            roots.map(move |root| coordinate.prior(spectrum) * root)
+            roots.map(move |root| coordinate.prior(form) * root)
         });
         let of_course: Vec<f64> = of_course.collect();
         of_course.repeat(self.courses(all).len())
@@ -312,7 +354,15 @@ impl Wanderer {
     }
 }
 
+/// A size is settled if it changes by less than this share of itself: the rest of the data hardly depends on it.
+const RESTS: f64 = 0.1;
+
 impl Disturbance {
+    /// Whether it is another one than before.
+    pub(crate) fn has_moved(&self, before: &Self) -> bool {
+        (self.width - before.width).abs() > RESTS * before.width || self.form != before.form
+    }
+
     /// Columns of coefficients scaled to unit prior variance.
     pub(crate) fn scaled(
         &self,
@@ -320,7 +370,7 @@ impl Disturbance {
         all: &[Here],
         mut columns: Vec<Vec<f64>>,
     ) -> Vec<Vec<f64>> {
-        let roots = self.wanderer.roots_of_spectrum(scene, all, self.spectrum);
+        let roots = self.wanderer.roots_of_spectrum(scene, all, self.form);
         for (column, root) in columns.iter_mut().zip(roots) {
             column.iter_mut().for_each(|x| *x *= self.width * root);
         }

@@ -8,7 +8,6 @@ use trueaxis_effects::{Parameter, ResolvedEffect, Scene, Shape, shape_parameter}
 use trueaxis_leastsquares::dot;
 use trueaxis_selection::{Fit, Hypothesis};
 
-use crate::engine::wandered::whose;
 use crate::engine::{Found, Measured, Suspect, duration_s};
 use crate::{Cause, EstimatedParameter, Fitted, Gain, Rival};
 
@@ -34,10 +33,7 @@ pub(crate) fn cause<D: Measured>(
         delta_bic: bic,
     });
     let disturbances = found.wandering.into_iter();
-    let disturbances = disturbances.map(|(wanderer, evidence)| Rival::Disturbance {
-        whose: whose(of, wanderer, None),
-        evidence,
-    });
+    let disturbances = disturbances.map(|(wanderer, evidence)| Rival::of(of, wanderer, evidence));
     Cause {
         p_value: found.p_value,
         delta_bic: found.bic,

@@ -5,58 +5,139 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use trueaxis_effects::{Level, Subject};
 use trueaxis_kinematics::{Axis, AxisKind};
 use trueaxis_leastsquares::dot;
-use trueaxis_selection::combined;
+use trueaxis_selection::{Projection, combined};
 
 use crate::engine::coordinate::{self, Coordinate, Shown};
 use crate::engine::disturbance::{Here, Wanderer, Who, With};
-use crate::engine::wandering::{JudgedDisturbance, units_um, whitened_columns};
+use crate::engine::wandering::JudgedDisturbance;
+use crate::engine::wanders::{units_um, whitened_columns};
 use crate::engine::{Posterior, Wanders};
 use crate::extremes::extremes;
-use crate::{CorrelationLength, CurvePoint, Disturbance, Gain, Wandering};
+use crate::{CorrelationLength, CurvePoint, Disturbance, Gain, Rival, Wandering};
+
+impl JudgedDisturbance {
+    /// As reported: `axis` is the one whose positions count, where there are several, and `range` that of the argument
+    /// with its unit; `gain` if nothing else contributes to the gain.
+    pub(crate) fn reported(
+        &self,
+        (level, axis): (Level, Option<usize>),
+        ([first, last], unit): ([f64; 2], &'static str),
+        (rms_um, curve): (f64, Vec<CurvePoint>),
+        gain: Option<Gain>,
+    ) -> Disturbance {
+        let form = self.disturbance.form;
+        let rivals = self.rivals.iter();
+        Disturbance {
+            level,
+            data: String::new(),
+            whose: whose(level, self.wanderer(), axis),
+            p_value: self.p_value,
+            rms_um,
+            share: 0.0,
+            correlation_length: CorrelationLength {
+                value: form.length * (last - first),
+                unit,
+            },
+            period: form.period().map(|period| period * (last - first)),
+            heldout_gain: gain.map(|gain| 1.0 - gain.heldout_rms_ratio),
+            curve,
+            rivals: rivals.map(|&w| whose(level, w, None)).collect(),
+        }
+    }
+}
+
+/// The coefficients of a disturbance given the data, in units of their prior standard deviations.
+pub(crate) struct Coefficients {
+    posterior: Posterior,
+    /// Prior standard deviations.
+    roots: Vec<f64>,
+    /// Number of coefficients of a course.
+    of_course: usize,
+    /// Effect of all on the rows from which they follow.
+    pub(crate) effect: Vec<f64>,
+}
+
+impl Coefficients {
+    /// From whitened columns in the covariance of a model, scaled to unit prior variance; for a number of courses.
+    pub(crate) fn new(
+        model: &Projection,
+        columns: &[Vec<f64>],
+        roots: Vec<f64>,
+        courses: usize,
+    ) -> Self {
+        let posterior = Posterior::new(model, columns);
+        Self {
+            of_course: roots.len() / courses.max(1),
+            effect: combined(model.rows(), columns, &posterior.mean),
+            posterior,
+            roots,
+        }
+    }
+
+    /// Each coordinate of a course.
+    pub(crate) fn coordinates(&self, functions: &[f64]) -> Vec<Shown> {
+        let all = 0..self.of_course / functions.len();
+        all.map(|coordinate| vec![(coordinate, 1.0)]).collect()
+    }
+
+    /// Combinations of the coordinates of a course where their functions have these values, and their standard
+    /// uncertainties in standard deviations of the noise.
+    pub(crate) fn at(
+        &self,
+        course: usize,
+        functions: &[f64],
+        shown: &[Shown],
+    ) -> (Vec<f64>, Vec<f64>) {
+        let first = course * self.of_course;
+        let value = |own: &Shown| {
+            let mut row = vec![0.0; self.of_course];
+            for &(c, um) in own {
+                for (k, function) in functions.iter().enumerate() {
+                    let own = c * functions.len() + k;
+                    row[own] = function * um * self.roots[first + own];
+                }
+            }
+            let (value, variance) = self.posterior.of(first, &row);
+            (value, variance.sqrt())
+        };
+        shown.iter().map(value).unzip()
+    }
+}
 
 /// Number of points of a curve, all occupations together.
 const POINTS: usize = 33;
 
-/// The disturbances of a model; `gain` if nothing else contributes to the gain.
+/// The disturbances of lengths or points in a model.
 pub(crate) fn wandered<D: Wanders>(
     base: &D,
     level: Level,
     adjusted: &D::Model,
-    judged: Vec<JudgedDisturbance>,
+    judged: &[JudgedDisturbance],
     gain: Option<Gain>,
 ) -> Vec<Disturbance> {
     let all = base.here();
-    let report = |judged: JudgedDisturbance| {
-        let wanderer = judged.disturbance.wanderer;
-        let coefficients = Coefficients::new(base, &all, adjusted, &judged);
-        let course = coefficients.course();
-        let (range, unit) = range(base, &all, wanderer, course);
-        Disturbance {
-            level,
-            data: String::new(),
-            whose: whose(level, wanderer, course),
-            p_value: judged.p_value,
-            rms_um: coefficients.rms_um,
-            share: 0.0,
-            correlation_length: CorrelationLength {
-                value: judged.disturbance.spectrum.length * (range[1] - range[0]),
-                unit,
-            },
-            period: None,
-            heldout_gain: gain.map(|gain| 1.0 - gain.heldout_rms_ratio),
-            curve: coefficients.curve(base, course),
-            rivals: judged
-                .rivals
-                .iter()
-                .map(|&w| whose(level, w, None))
-                .collect(),
-        }
+    let report = |judged: &JudgedDisturbance| {
+        let course = Course::new(base, &all, adjusted, judged);
+        let axis = course.axis();
+        let range = range(base, &all, judged.wanderer(), axis);
+        let shown = (course.rms_um, course.curve(base, axis));
+        judged.reported((level, axis), range, shown, gain)
     };
-    judged.into_iter().map(report).collect()
+    judged.iter().map(report).collect()
+}
+
+impl Rival {
+    /// A disturbance.
+    pub(crate) fn of(level: Level, wanderer: Wanderer, evidence: f64) -> Self {
+        Self::Disturbance {
+            whose: whose(level, wanderer, None),
+            evidence,
+        }
+    }
 }
 
 /// A wanderer by its public name; `course` selects the axis whose positions count.
-pub(crate) fn whose(level: Level, wanderer: Wanderer, course: Option<usize>) -> Wandering {
+fn whose(level: Level, wanderer: Wanderer, course: Option<usize>) -> Wandering {
     Wandering {
         level,
         layer: wanderer.layer(),
@@ -103,20 +184,18 @@ fn span_s<'h>(some: impl Iterator<Item = &'h Here>) -> [f64; 2] {
     extremes(some.map(|here| here.time_s))
 }
 
-/// The coefficients of a disturbance given the data, in units of their prior standard deviation.
-struct Coefficients<'h> {
+/// The course of a disturbance in lengths or points.
+struct Course<'h> {
     all: &'h [Here],
     wanderer: Wanderer,
-    posterior: Posterior,
+    coefficients: Coefficients,
     coordinates: Vec<Coordinate>,
     /// Displacement by a unit of each coordinate, µm.
     units_um: Vec<f64>,
-    /// Prior standard deviations of the coefficients.
-    roots: Vec<f64>,
     rms_um: f64,
 }
 
-impl<'h> Coefficients<'h> {
+impl<'h> Course<'h> {
     fn new<D: Wanders>(
         base: &D,
         all: &'h [Here],
@@ -127,32 +206,38 @@ impl<'h> Coefficients<'h> {
         let scene = base.scene();
         let in_mm = own.scaled(scene, all, base.columns_mm(adjusted, own.wanderer));
         let columns = whitened_columns(base, adjusted, own);
-        let posterior = Posterior::new(D::projection(adjusted), &columns);
+        let roots = own.wanderer.roots_of_spectrum(scene, all, own.form);
+        let roots = roots.iter().map(|root| root * own.width).collect();
+        let courses = own.wanderer.courses(all).len();
+        let coefficients = Coefficients::new(D::projection(adjusted), &columns, roots, courses);
         let rows = in_mm.first().map_or(0, Vec::len);
-        let sums_mm = combined(rows, &in_mm, &posterior.mean);
-        let roots = own.wanderer.roots_of_spectrum(scene, all, own.spectrum);
+        let sums_mm = combined(rows, &in_mm, &coefficients.posterior.mean);
         Self {
             all,
             wanderer: own.wanderer,
-            posterior,
+            coefficients,
             coordinates: own.wanderer.coordinates(scene),
             units_um: units_um(base, adjusted, own.wanderer),
-            roots: roots.iter().map(|root| root * own.width).collect(),
             rms_um: 1e3 * (dot(&sums_mm, &sums_mm) / sums_mm.len() as f64).sqrt(),
         }
     }
 
     /// For variation with the positions of several axes, the axis with the largest variation.
-    fn course(&self) -> Option<usize> {
+    fn axis(&self) -> Option<usize> {
         let courses = self.wanderer.courses(self.all);
-        let of_one = self.posterior.mean.len() / courses.len().max(1);
+        let Coefficients {
+            posterior,
+            roots,
+            of_course,
+            ..
+        } = &self.coefficients;
         let size = |k: usize| {
-            let own = k * of_one..(k + 1) * of_one;
+            let own = k * of_course..(k + 1) * of_course;
             let width = self.wanderer.basis().width();
             let varies = own.filter(|i| i % width > 0);
             let displaced = varies.map(|i| {
                 let unit_um = self.units_um[i / width % self.units_um.len()];
-                self.posterior.mean[i] * self.roots[i] * unit_um
+                posterior.mean[i] * roots[i] * unit_um
             });
             displaced.map(|um| um * um).sum::<f64>()
         };
@@ -222,24 +307,11 @@ impl<'h> Coefficients<'h> {
     /// All shown values at a place of a course, 0 to 1, with their standard uncertainties, µm, relative to the mean
     /// over the course, which the base model assigns to the position of a station or a target.
     fn at(&self, course: usize, x: f64, shown: &[Shown]) -> (Vec<f64>, Vec<f64>) {
-        let functions = self.wanderer.basis();
-        let mut basis: Vec<f64> = functions.at(x).collect();
-        if functions.has_mean() {
-            basis[0] = 0.0;
+        let basis = self.wanderer.basis();
+        let mut functions: Vec<f64> = basis.at(x).collect();
+        if basis.has_mean() {
+            functions[0] = 0.0;
         }
-        let width = basis.len();
-        let of_course = self.coordinates.len() * width;
-        let value = |own: &Shown| {
-            let mut row = vec![0.0; of_course];
-            for &(c, um) in own {
-                for (k, wave) in basis.iter().enumerate() {
-                    let own = c * width + k;
-                    row[own] = wave * um * self.roots[course * of_course + own];
-                }
-            }
-            let (value, variance) = self.posterior.of(course * of_course, &row);
-            (value, variance.sqrt())
-        };
-        shown.iter().map(value).unzip()
+        self.coefficients.at(course, &functions, shown)
     }
 }

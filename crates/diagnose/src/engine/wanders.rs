@@ -1,11 +1,17 @@
-//! What differs between kinds of data that may have disturbances.
+//! Disturbances in data that are adjusted anew with each: lengths and points.
 
+use rayon::prelude::*;
 use trueaxis_effects::{Displaced, Subject};
-use trueaxis_selection::Projection;
+use trueaxis_leastsquares::dot;
+use trueaxis_selection::{DECISIVE, Projection};
 
 use crate::Error;
 use crate::engine::coordinate::Coordinate;
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, With};
+use crate::engine::smooth::{SMOOTH_LEVEL, Smooth, beside_one_of};
+use crate::engine::wandering::{
+    JudgedDisturbance, Wandering, joined_by_others, leader, one_by_one, with_rivals,
+};
 use crate::engine::{Measured, Suspect};
 
 /// Data that may have disturbances.
@@ -59,4 +65,238 @@ pub(crate) trait Wanders: Measured + Clone + Send {
 
     /// A model with another projection and without causes.
     fn with(model: &Self::Model, projection: Projection) -> Self::Model;
+}
+
+/// Data beside causes, in which disturbances are sought.
+pub(crate) struct Beside<'b, D> {
+    base: &'b D,
+    suspects: &'b [Suspect],
+    all: Vec<Wanderer>,
+}
+
+/// Nothing wanders farther, µm (standard deviation): names were exchanged, or coordinates mistyped.
+const FARTHEST_UM: f64 = 5e3;
+
+/// A lost motion that is a cause may change with time or position: only these are tested, since it is known to be there.
+const WAYS_TO_CHANGE: f64 = 2.0;
+
+impl<'b, D: Wanders> Beside<'b, D> {
+    pub(crate) fn new(base: &'b D, suspects: &'b [Suspect]) -> Self {
+        Self {
+            base,
+            suspects,
+            all: base.wanderers(),
+        }
+    }
+
+    /// The disturbances from those judged one by one, the one with the most evidence first. Instead of several
+    /// separate ones there may be one that all data share: then this is also tried first, and the better explanation
+    /// is taken.
+    pub(crate) fn disturbances(
+        &self,
+        (model, judged): &(D::Model, Vec<JudgedDisturbance>),
+    ) -> Result<Vec<JudgedDisturbance>, Error> {
+        let Some(leader) = leader(self, model, judged) else {
+            return Ok(Vec::new());
+        };
+        let first = joined_by_others(self, leader)?;
+        let is_common = |judged: &JudgedDisturbance| self.is_common(judged);
+        let who = |judged: &JudgedDisturbance| judged.wanderer().who;
+        let are_several = first.0.iter().any(|one| who(one) != who(&first.0[0]));
+        if !are_several || first.0.iter().any(is_common) {
+            return Ok(first.0);
+        }
+        let mut ways = vec![first];
+        for common in judged.iter().filter(|judged| self.is_tried(judged)) {
+            let common = with_rivals(self, model, common, &[]);
+            let way = joined_by_others(self, common)?;
+            // If the others made it superfluous, the result is that of the first attempt.
+            if way.0.iter().any(is_common) {
+                ways.push(way);
+            }
+        }
+        let noises = ways.iter().map(|(_, model)| D::noise(model));
+        let plain = self
+            .base
+            .adjust(self.suspects.to_vec(), least::<D>(noises))?;
+        let scored = ways.into_iter().map(|(judged, _)| {
+            let price = 2.0 * DECISIVE * judged.len() as f64;
+            (of_wandering(self.base, &plain, &judged).0 - price, judged)
+        });
+        let best = scored.max_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(best.map(|best| best.1).unwrap_or_default())
+    }
+
+    /// Whether it concerns all data.
+    fn is_common(&self, judged: &JudgedDisturbance) -> bool {
+        judged.wanderer().of_kind(self.base.scene()) == 1
+    }
+
+    /// Whether it may come first although another one has more evidence.
+    pub(crate) fn is_tried(&self, judged: &JudgedDisturbance) -> bool {
+        self.is_common(judged) && judged.p_value < SMOOTH_LEVEL
+    }
+}
+
+/// The disturbances beside causes.
+pub(crate) fn wandering<D: Wanders>(
+    base: &D,
+    suspects: &[Suspect],
+) -> Result<Vec<JudgedDisturbance>, Error> {
+    let beside = Beside::new(base, suspects);
+    beside.disturbances(&one_by_one(&beside)?)
+}
+
+impl<D: Wanders> Wandering for Beside<'_, D> {
+    type Model = D::Model;
+
+    const MOST: usize = 3;
+
+    fn wanderers(&self) -> &[Wanderer] {
+        &self.all
+    }
+
+    fn fit(&self, own: &[JudgedDisturbance]) -> Result<D::Model, Error> {
+        let beside = self.base.beside(disturbances(own));
+        beside.adjust(self.suspects.to_vec(), None)
+    }
+
+    fn fit_near(&self, near: &D::Model, own: &[JudgedDisturbance]) -> Result<D::Model, Error> {
+        let beside = self.base.beside(disturbances(own));
+        beside.adjust(self.suspects.to_vec(), Some(D::noise(near)))
+    }
+
+    /// None that would be larger than anything that wanders.
+    fn judge(&self, model: &D::Model, wanderer: Wanderer) -> Option<JudgedDisturbance> {
+        let (base, scene) = (self.base, self.base.scene());
+        let columns = whitened(base, model, base.columns_mm(model, wanderer));
+        let all = base.here();
+        let forms = wanderer.forms(scene, base.stops(wanderer.with));
+        let roots = forms.iter();
+        let roots = roots.map(|&form| wanderer.roots_of_spectrum(scene, &all, form));
+        let roots: Vec<Vec<f64>> = roots.collect();
+        let smooth = Smooth::new(D::projection(model), &columns, &roots)?;
+        let is_too_large = |unit_um: &f64| smooth.width * unit_um > FARTHEST_UM;
+        if smooth.p_value < SMOOTH_LEVEL && units_um(base, model, wanderer).iter().any(is_too_large)
+        {
+            return None;
+        }
+        let mut causes = D::suspects(model).iter();
+        let tests = match causes.any(|cause| wanderer.changes(&cause.hypothesis)) {
+            true => WAYS_TO_CHANGE,
+            false => self.all.len() as f64,
+        };
+        Some(JudgedDisturbance {
+            disturbance: Disturbance {
+                wanderer,
+                form: forms[smooth.spectrum],
+                width: smooth.width,
+            },
+            evidence: smooth.evidence - 2.0 * (wanderer.of_kind(scene) as f64).ln(),
+            p_value: (tests * smooth.p_value).min(1.0),
+            rivals: Vec::new(),
+        })
+    }
+
+    fn twin(&self, wanderer: Wanderer) -> Option<Wanderer> {
+        self.base.twin(wanderer)
+    }
+}
+
+/// Displacement by a unit of each coordinate, rms over the readings concerned, µm; the motions of a stage count as
+/// the same at all positions of the axis. Lost motion is twice its displacement.
+pub(crate) fn units_um<D: Wanders>(data: &D, model: &D::Model, wanderer: Wanderer) -> Vec<f64> {
+    let coordinates = wanderer.coordinates(data.scene()).into_iter();
+    let coordinates: Vec<Coordinate> = coordinates.map(Coordinate::without_law).collect();
+    let moved = data.moved(model, &coordinates, &wanderer.subject());
+    let times = match wanderer.with {
+        With::Sides | With::SidesInTime => 2.0,
+        _ => 1.0,
+    };
+    let unit_um = |c: usize| {
+        let squares = moved.iter().map(|moved: &Vec<Displaced>| {
+            let Displaced {
+                point_mm,
+                station_mm,
+                length_mm,
+            } = moved[c];
+            (point_mm - station_mm).norm_squared() + length_mm.powi(2)
+        });
+        let seen = squares.filter(|square| *square > 0.0);
+        let (sum, count) = seen.fold((0.0, 0_usize), |(sum, n), square| (sum + square, n + 1));
+        times * 1e3 * (sum / count.max(1) as f64).sqrt()
+    };
+    (0..coordinates.len()).map(unit_um).collect()
+}
+
+/// Whitens columns.
+fn whitened<D: Wanders>(data: &D, model: &D::Model, mut columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let each = columns.par_iter_mut();
+    each.for_each(|column| data.whiten(model, column));
+    columns
+}
+
+/// Whitened columns of a disturbance, scaled to coefficients of unit prior variance.
+pub(crate) fn whitened_columns<D: Wanders>(
+    data: &D,
+    model: &D::Model,
+    own: &Disturbance,
+) -> Vec<Vec<f64>> {
+    let columns = data.columns_mm(model, own.wanderer);
+    let columns = own.scaled(data.scene(), &data.here(), columns);
+    whitened(data, model, columns)
+}
+
+/// The effect of disturbances on each row, or on those of `elsewhere`, as far as the data show it, mm.
+pub(crate) fn wandered_mm<D: Wanders>(
+    data: &D,
+    model: &D::Model,
+    elsewhere: Option<&D>,
+) -> Vec<f64> {
+    let at = elsewhere.unwrap_or(data);
+    let all = at.here();
+    let mut sum_mm = vec![0.0; D::ROWS * all.len()];
+    for own in data.disturbances() {
+        let there = own.scaled(at.scene(), &all, at.columns_mm(model, own.wanderer));
+        let whitened = match elsewhere {
+            None => whitened(data, model, there.clone()),
+            Some(_) => whitened_columns(data, model, own),
+        };
+        for (own, there) in whitened.iter().zip(&there) {
+            let coefficient = dot(own, &D::projection(model).residuals);
+            for (sum, x) in sum_mm.iter_mut().zip(there) {
+                *sum += coefficient * x;
+            }
+        }
+    }
+    sum_mm
+}
+
+/// Twice the logarithm of the marginal likelihood ratio of disturbances against a model without them, and the projection with them.
+pub(crate) fn of_wandering<D: Wanders>(
+    base: &D,
+    plain: &D::Model,
+    wandering: &[JudgedDisturbance],
+) -> (f64, Projection) {
+    let mut projection = D::projection(plain).clone();
+    let mut sum = 0.0;
+    for judged in wandering {
+        let (scene, wanderer) = (base.scene(), judged.wanderer());
+        let columns = whitened_columns(base, plain, &judged.disturbance);
+        let forms = wanderer.forms(scene, base.stops(wanderer.with)).len();
+        let tried = forms * wanderer.of_kind(scene);
+        let (evidence, next) = beside_one_of(&projection, &columns, tried);
+        sum += evidence;
+        projection = next;
+    }
+    (sum, projection)
+}
+
+/// The noise with the least variance.
+pub(crate) fn least<D: Wanders>(noises: impl Iterator<Item = D::Noise>) -> Option<D::Noise> {
+    noises.min_by(|a, b| D::variance(a).total_cmp(&D::variance(b)))
+}
+
+pub(crate) fn disturbances(wandering: &[JudgedDisturbance]) -> Vec<Disturbance> {
+    wandering.iter().map(|judged| judged.disturbance).collect()
 }

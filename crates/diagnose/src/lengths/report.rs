@@ -122,7 +122,7 @@ pub(crate) fn diagnose_lengths(
         &base,
         Level::Lengths,
         &current,
-        wandering,
+        &wandering,
         gain.filter(|_| only),
     );
     let causes = found.into_iter().map(|found| {

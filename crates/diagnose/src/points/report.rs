@@ -136,7 +136,7 @@ fn said(
         places: places(base, &sharp, &model, noise_um),
     };
     let gain = gain.filter(|_| found.len() + wandering.len() == 1);
-    let disturbances = wandered(base, Level::Points, &model, wandering, gain);
+    let disturbances = wandered(base, Level::Points, &model, &wandering, gain);
     let effects: Vec<ResolvedEffect> = found.iter().map(|f| f.suspect.resolved()).collect();
     let causes = found.into_iter().map(|found| {
         let effect_um = rms_of_effect_um(base, &found.suspect);

@@ -6,8 +6,8 @@
 
 use trueaxis_selection::{DECISIVE, Score};
 
-use crate::engine::FURTHER_LEVEL;
 use crate::engine::linear::{Among, Chosen};
+use crate::engine::{FURTHER_LEVEL, JudgedDisturbance};
 use crate::verification::believed::{with_gain, without_imitations};
 use crate::verification::described::described;
 use crate::verification::held_out::{gain, held_out};
@@ -16,7 +16,7 @@ use crate::verification::model::{
     Model, evidence, has, have_same, is_coupling, is_left, of_causes, only,
 };
 use crate::verification::problem::Problem;
-use crate::verification::wandering::{FittedProcess, wandering};
+use crate::verification::wandering::wandering;
 
 /// Most searches until one holds.
 const MOST_TRIES: usize = 3;
@@ -205,7 +205,7 @@ fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>) -> Option<Model<'a>>
 }
 
 /// The causes found where something wanders, with the disturbances beside them.
-fn with_causes<'a>(plain: &Problem<'a>, first: Vec<FittedProcess>) -> Option<Model<'a>> {
+fn with_causes<'a>(plain: &Problem<'a>, first: Vec<JudgedDisturbance>) -> Option<Model<'a>> {
     let found = causes(&plain.beside(&first));
     beside(plain, found)
 }

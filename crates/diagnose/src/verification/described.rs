@@ -4,11 +4,13 @@ use trueaxis_effects::Shape;
 use trueaxis_leastsquares::dot;
 use trueaxis_selection::combined;
 
+use crate::engine::JudgedDisturbance;
+use crate::engine::disturbance::With;
 use crate::engine::linear::{Among, without};
 use crate::verification::model::{Model, only};
 use crate::verification::problem::Problem;
-use crate::verification::wanderer::Wanderer;
-use crate::verification::wandering::{FittedProcess, wandering};
+use crate::verification::wanderer::is_course_of;
+use crate::verification::wandering::wandering;
 
 /// A cause in time is only a part of a disturbance if the disturbance takes this share of what it explains.
 const PART: f64 = 0.1;
@@ -42,22 +44,23 @@ pub(crate) fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>) -> Model<
                 })
             };
             let is_wave = hypothesis.effect.shape == Shape::Period;
-            let of_curve = |own: &FittedProcess| {
+            let of_curve = |own: &JudgedDisturbance| {
                 let others = model.wandering.iter();
-                let others = others.filter(|w| w.wanderer != own.wanderer);
-                let others: Vec<FittedProcess> = others.cloned().collect();
+                let others = others.filter(|w| w.wanderer() != own.wanderer());
+                let others: Vec<JudgedDisturbance> = others.cloned().collect();
                 let without = plain.beside(&others).listed.with(&model.causes).squares();
                 without - listed.with(&model.causes).squares()
             };
-            let is_rest = |own: &FittedProcess| {
+            let is_rest = |own: &JudgedDisturbance| {
                 let [first, last] = plain.comparison.range;
                 let is_long = plain.comparison.line().is_some()
-                    && model.causes[k].shape > OWN_COURSE * own.form.length() * (last - first);
+                    && model.causes[k].shape
+                        > OWN_COURSE * own.disturbance.form.length * (last - first);
                 is_long || squares_of(plain, &model, k) < REST * of_curve(own)
             };
-            model.wandering.iter().any(|own| match own.wanderer {
-                Wanderer::Position if is_wave => is_rest(own),
-                wanderer if wanderer.is_course_of(hypothesis) => own.evidence > PART * explained(),
+            model.wandering.iter().any(|own| match own.wanderer() {
+                wanderer if is_wave && wanderer.with == With::Position => is_rest(own),
+                wanderer if is_course_of(wanderer, hypothesis) => own.evidence > PART * explained(),
                 _ => false,
             })
         };

@@ -3,24 +3,23 @@
 use trueaxis_effects::CROSS_COUPLING;
 use trueaxis_selection::DECISIVE;
 
-use crate::engine::beside_one_of;
 use crate::engine::linear::Chosen;
+use crate::engine::{JudgedDisturbance, beside_one_of};
 use crate::verification::omnibus::omnibus;
 use crate::verification::problem::Problem;
-use crate::verification::wandering::FittedProcess;
 
 /// Causes, and disturbances beside them.
 pub(crate) struct Model<'a> {
     /// The readings, with the disturbances in their covariance.
     pub(crate) problem: Problem<'a>,
-    pub(crate) wandering: Vec<FittedProcess>,
+    pub(crate) wandering: Vec<JudgedDisturbance>,
     pub(crate) causes: Vec<Chosen>,
     /// Other causes that explain everything with nearly as much evidence.
     pub(crate) as_good: Vec<Vec<Chosen>>,
 }
 
 /// Only disturbances.
-pub(crate) fn only<'a>(plain: &Problem<'a>, wandering: Vec<FittedProcess>) -> Model<'a> {
+pub(crate) fn only<'a>(plain: &Problem<'a>, wandering: Vec<JudgedDisturbance>) -> Model<'a> {
     Model {
         problem: plain.beside(&wandering),
         wandering,

@@ -5,15 +5,16 @@
 //! extremes, none and all of the time: the drift as the rows show it, or an offset of each cycle instead. If lost
 //! motion differs in sign between them, some pauses leave none; the distance is in its uncertainty.
 
-use trueaxis_effects::{BACKLASH, POSITION_DEPENDENT_BACKLASH};
+use trueaxis_effects::{BACKLASH, Level, POSITION_DEPENDENT_BACKLASH};
 use trueaxis_selection::{Fit, Score};
 
 use crate::Rival;
+use crate::engine::JudgedDisturbance;
+use crate::engine::disturbance::{Wanderer, Who, With};
 use crate::engine::linear::{Chosen, Listed, without};
 use crate::verification::base::{count, cycles, indicators};
 use crate::verification::problem::Problem;
-use crate::verification::wanderer::Wanderer;
-use crate::verification::wandering::FittedProcess;
+use crate::verification::wanderer::{INSTRUMENT, twin};
 
 /// Consequences of unknown pauses for lost motion beside a cause in time.
 pub(crate) struct ByPauses {
@@ -27,7 +28,7 @@ pub(crate) struct ByPauses {
 /// or disturbances; `None` where pauses do not matter.
 pub(crate) fn by_pauses(
     problem: &Problem<'_>,
-    (causes, wandering): (&[Chosen], &[FittedProcess]),
+    (causes, wandering): (&[Chosen], &[JudgedDisturbance]),
     (k, fit): (usize, &Fit),
     (evidence, variance): (f64, f64),
 ) -> Option<ByPauses> {
@@ -35,7 +36,9 @@ pub(crate) fn by_pauses(
     let own = listed.hypothesis(&causes[k]);
     let is_lost_motion = own.effect.is_lost_motion() && own.subject.axis == comparison.line();
     let is_of_time = |cause: &Chosen| listed.hypothesis(cause).is_of_time();
-    let wanders = wandering.iter().any(|own| own.wanderer.is_of_time());
+    let wanders = wandering
+        .iter()
+        .any(|own| own.wanderer().with == With::Campaign);
     let goes_on = wanders || causes.iter().any(is_of_time);
     if comparison.timed || !is_lost_motion || !goes_on {
         return None;
@@ -80,8 +83,9 @@ pub(crate) fn by_pauses(
     let vanishing = [0, 1].map(|i| i >= straight || vanishes(i));
     let rivals = match vanishing {
         [true, true] => {
-            let names = Wanderer::Instrument.names(comparison);
-            names.map(|name| name.rival(comparison, evidence)).collect()
+            let names = [Some(INSTRUMENT), twin(comparison, INSTRUMENT)];
+            let rival = |name| Rival::of(Level::Verification, name, evidence);
+            names.into_iter().flatten().map(rival).collect()
         }
         [false, true] if own.effect == POSITION_DEPENDENT_BACKLASH => {
             Vec::from_iter(constant(&paused, &without_time, number))
@@ -95,10 +99,15 @@ pub(crate) fn by_pauses(
 }
 
 /// A whitened offset of each cycle but the first, which has that of the line; where the scale wanders a slope, too.
-fn offsets(problem: &Problem<'_>, cycles: &[usize], wandering: &[FittedProcess]) -> Vec<Vec<f64>> {
+fn offsets(
+    problem: &Problem<'_>,
+    cycles: &[usize],
+    wandering: &[JudgedDisturbance],
+) -> Vec<Vec<f64>> {
     let comparison = problem.comparison;
     let mut offsets: Vec<Vec<f64>> = indicators(cycles).into_iter().skip(1).collect();
-    if wandering.iter().any(|own| own.wanderer == Wanderer::Scale) {
+    let is_scale = |own: Wanderer| own.with == With::Campaign && matches!(own.who, Who::Axis(_));
+    if wandering.iter().any(|own| is_scale(own.wanderer())) {
         let slope = |offset: &Vec<f64>| -> Vec<f64> {
             let arrivals = comparison.arrivals.iter().zip(offset);
             arrivals

@@ -14,15 +14,15 @@ use trueaxis_effects::Scene;
 use trueaxis_predict::CalibratedMachine;
 use trueaxis_selection::Projection;
 
-use crate::engine::Family;
 use crate::engine::linear::{Chosen, Listed};
+use crate::engine::{Family, JudgedDisturbance};
 use crate::verification::autocorrelation::Noise;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
 use crate::verification::hypotheses::candidates;
 use crate::verification::omnibus::families;
 use crate::verification::prediction_error::prediction_directions;
-use crate::verification::wandering::FittedProcess;
+use crate::verification::wanderer::Course;
 use crate::verification::whitening::Whitening;
 
 /// What is to be explained, and what may explain it.
@@ -112,7 +112,7 @@ impl<'a> Problem<'a> {
     }
 
     /// The same with disturbances in the covariance.
-    pub(crate) fn beside(&self, wandering: &[FittedProcess]) -> Self {
+    pub(crate) fn beside(&self, wandering: &[JudgedDisturbance]) -> Self {
         let columns: Vec<Vec<f64>> = wandering.iter().flat_map(|w| w.columns(self)).collect();
         let wanders = !columns.is_empty();
         let beside = |projection: &Projection| projection.beside(&columns).0;
@@ -130,6 +130,14 @@ impl<'a> Problem<'a> {
             listed,
             families: self.families.clone(),
             ..*self
+        }
+    }
+
+    /// The course of a disturbance of the readings.
+    pub(crate) fn course(&self, own: &JudgedDisturbance) -> Course<'_, 'a> {
+        Course {
+            comparison: self.comparison,
+            wanderer: own.wanderer(),
         }
     }
 

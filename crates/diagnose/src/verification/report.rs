@@ -4,14 +4,14 @@ use trueaxis_effects::{Level, ResolvedEffect, Scene};
 use trueaxis_selection::{Fit, Projection, add, combined};
 
 use crate::engine::linear::{Chosen, Listed, without};
-use crate::engine::{places as places_by, side};
+use crate::engine::{JudgedDisturbance, places as places_by, side};
 use crate::fitted::{Against, Fitted, Row};
 use crate::verification::arrivals::Arrival;
 use crate::verification::held_out::gain_of;
 use crate::verification::lost_motion::{curve, shown_along};
 use crate::verification::pauses::by_pauses;
 use crate::verification::problem::Problem;
-use crate::verification::wandering::{FittedProcess, rival_disturbances};
+use crate::verification::wandering::rival_disturbances;
 use crate::{Cause, Place, Rival};
 
 /// Root mean square of a column over the readings, µm.
@@ -28,7 +28,7 @@ pub(crate) fn causes(
     scene: &Scene,
     chosen: &[Chosen],
     (predicted, after): (&Projection, &Projection),
-    (wandering, wandered): (&[FittedProcess], &[f64]),
+    (wandering, wandered): (&[JudgedDisturbance], &[f64]),
 ) -> Vec<Cause> {
     let joint = Fit::new(&problem.listed.base, &problem.listed.columns(chosen));
     let variance =

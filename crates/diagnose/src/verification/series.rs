@@ -3,8 +3,8 @@
 use trueaxis_effects::{Level, Scene};
 use trueaxis_selection::{Projection, add};
 
-use crate::engine::Omnibus;
 use crate::engine::linear::{Chosen, without};
+use crate::engine::{Coefficients, JudgedDisturbance, Omnibus};
 use crate::said::Entry;
 use crate::shares::Part;
 use crate::verification::another_curve::another_curve;
@@ -15,8 +15,8 @@ use crate::verification::model::{Model, have_same, only};
 use crate::verification::omnibus::{omnibus, repeats_with_cycle};
 use crate::verification::problem::Problem;
 use crate::verification::report;
-use crate::verification::wandered::{Course, wandered};
-use crate::verification::wandering::{FittedProcess, wandering};
+use crate::verification::wandered::{coefficients, wandered};
+use crate::verification::wandering::wandering;
 use crate::{LevelReport, Misfit, Shares, Unexplained};
 
 /// The readings of one verification: a line or the sweeps of a ball bar.
@@ -81,11 +81,11 @@ impl<'a> Series<'a> {
         let tests_after = omnibus(problem, &after);
         let courses = wandering
             .iter()
-            .map(|own| (own, Course::new(problem, own, &after)));
-        let courses: Vec<(&FittedProcess, Course)> = courses.collect();
+            .map(|own| (own, coefficients(problem, own, &after)));
+        let courses: Vec<(&JudgedDisturbance, Coefficients)> = courses.collect();
         let mut course = vec![0.0; before.rows()];
         for (_, own) in &courses {
-            add(&mut course, &own.whitened, 1.0);
+            add(&mut course, &own.effect, 1.0);
         }
         let mut causes = report::causes(
             problem,

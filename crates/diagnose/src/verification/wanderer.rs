@@ -3,24 +3,24 @@
 //! Over its argument `x`, 0 to 1, each coordinate is a process with Matérn's covariance in half waves
 //! ([`matern_roots`]), as with lengths, but without its mean: the base model or an effect takes that. Rows without a
 //! clock do not show pauses between passes, in which drifts go on: each pass, or each cycle, may then also have an
-//! offset. A course in time may also swing with one period, as an air conditioning does ([`Form`]).
+//! offset. A course in time may also swing with one period, as an air conditioning does.
 //!
 //! What moves, and with what, is in a table of `docs/diagnosis.md` (What wanders in readings).
 
 use std::f64::consts::TAU;
 
-use trueaxis_effects::{Layer, Level, Subject};
 use trueaxis_leastsquares::median;
 use trueaxis_selection::Hypothesis;
 
 use crate::engine::correlation_lengths;
+use crate::engine::disturbance::With::{Campaign, Position, Sides, SidesInTime};
+use crate::engine::disturbance::{Form, Pauses, Wanderer, Who};
 use crate::extremes::extremes;
 use crate::verification::arrivals::{Arrival, groups_in_order};
 use crate::verification::base::{count, cycles, places};
 use crate::verification::comparison::Comparison;
-use crate::verification::form::{Form, Functions, Pauses};
+use crate::verification::functions::Functions;
 use crate::verification::hypotheses::comes_from_both_sides;
-use crate::{Rival, Wandering};
 
 /// Most half waves of each coordinate: five times those of the shortest correlation length. What is cut off would be
 /// taken for the course of something else.
@@ -48,165 +48,144 @@ const FROM_CYCLE: f64 = 0.75;
 /// Fewest stops of a period: three of each half, as for the shortest correlation length.
 const STOPS_OF_PERIOD: f64 = 6.0;
 
-/// What wanders.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Wanderer {
-    Instrument,
-    Machine,
-    /// The scale of the measured axis with time.
-    Scale,
-    /// The measured axis over its position.
-    Position,
-    /// The lost motion of the measured axis over its position.
-    Sides,
-    /// The lost motion of the measured axis with time.
-    SidesInTime,
+/// What wanders in the readings of a comparison.
+#[derive(Clone, Copy)]
+pub(crate) struct Course<'c, 'a> {
+    pub(crate) comparison: &'c Comparison<'a>,
+    pub(crate) wanderer: Wanderer,
 }
+
+/// The zero of the instrument, and the machine.
+pub(crate) const INSTRUMENT: Wanderer = Wanderer {
+    who: Who::Instrument,
+    with: Campaign,
+};
+pub(crate) const MACHINE: Wanderer = Wanderer {
+    who: Who::Machine,
+    with: Campaign,
+};
 
 /// All that a comparison may show beside its base model.
 pub(crate) fn wanderers(comparison: &Comparison<'_>, calibrated: bool) -> Vec<Wanderer> {
-    use Wanderer::{Instrument, Machine, Position, Scale, Sides, SidesInTime};
     let Some(axis) = comparison.line() else {
-        return vec![Position, Instrument, Machine];
+        // A ball bar shows more than one axis.
+        let position = Wanderer {
+            with: Position,
+            ..MACHINE
+        };
+        return vec![position, INSTRUMENT, MACHINE];
     };
     let is_rotary = comparison.is_of_rotary_axis();
     let moves = comparison.moving.contains(&axis);
-    let mut all = vec![Instrument];
+    let own = |with| Wanderer {
+        who: Who::Axis(axis),
+        with,
+    };
+    let mut all = vec![INSTRUMENT];
     // A turn has 360 degrees at any temperature.
-    all.extend((moves && !is_rotary).then_some(Scale));
-    all.extend((moves && calibrated).then_some(Position));
+    all.extend((moves && !is_rotary).then_some(own(Campaign)));
+    all.extend((moves && calibrated).then_some(own(Position)));
     if moves && comes_from_both_sides(comparison, axis) {
-        all.extend(is_rotary.then_some(Sides));
-        all.push(SidesInTime);
+        all.extend(is_rotary.then_some(own(Sides)));
+        all.push(own(SidesInTime));
     }
     all
 }
 
-impl Wanderer {
-    /// Its public name.
-    pub(crate) fn whose(self, comparison: &Comparison<'_>) -> Wandering {
-        let is_of_axis = !matches!(self, Self::Instrument | Self::Machine);
-        Wandering {
-            level: Level::Verification,
-            layer: match self {
-                Self::Instrument => Layer::Instrument,
-                _ => Layer::Machine,
-            },
-            subject: Subject {
-                // A ball bar shows more than one axis.
-                axis: comparison.line().filter(|_| is_of_axis),
-                ..Subject::default()
-            },
-            varies_with: match self {
-                Self::Instrument | Self::Machine | Self::Scale => &["time"],
-                Self::Position => &["position"],
-                Self::Sides => &["position", "direction"],
-                Self::SidesInTime => &["time", "direction"],
-            },
-        }
-    }
+/// What has the same columns under another name.
+pub(crate) fn twin(comparison: &Comparison<'_>, wanderer: Wanderer) -> Option<Wanderer> {
+    let with = match wanderer.with {
+        Sides => SidesInTime,
+        SidesInTime => Sides,
+        _ => return (wanderer == INSTRUMENT && comparison.line().is_some()).then_some(MACHINE),
+    };
+    let twin = Wanderer { with, ..wanderer };
+    comparison.is_position_after_position().then_some(twin)
+}
 
-    /// As a rival that explains as much as a cause.
-    pub(crate) fn rival(self, comparison: &Comparison<'_>, evidence: f64) -> Rival {
-        Rival::Disturbance {
-            whose: self.whose(comparison),
-            evidence,
-        }
+/// Whether a cause names the course of a wanderer.
+pub(crate) fn is_course_of(wanderer: Wanderer, cause: &Hypothesis) -> bool {
+    match (wanderer.who, wanderer.with) {
+        (Who::Axis(_), Campaign) => cause.effect.grows_axis(),
+        (_, Campaign) => cause.is_of_time(),
+        _ => false,
     }
+}
 
-    /// Itself, and what has the same columns under another name.
-    pub(crate) fn names(self, comparison: &Comparison<'_>) -> impl Iterator<Item = Self> {
-        let twin = match self {
-            Self::Instrument => comparison.line().map(|_| Self::Machine),
-            Self::Sides if comparison.is_position_after_position() => Some(Self::SidesInTime),
-            Self::SidesInTime if comparison.is_position_after_position() => Some(Self::Sides),
-            _ => None,
-        };
-        [Some(self), twin].into_iter().flatten()
-    }
-
+impl Course<'_, '_> {
     /// Whether it is a course in time and nothing else.
-    pub(crate) fn is_of_time(self) -> bool {
-        matches!(self, Self::Instrument | Self::Machine | Self::Scale)
+    fn is_of_time(self) -> bool {
+        self.wanderer.with == Campaign
     }
 
     /// Whether its argument is time.
     fn goes_with_time(self) -> bool {
-        self.is_of_time() || self == Self::SidesInTime
-    }
-
-    /// Whether a cause names its course.
-    pub(crate) fn is_course_of(self, cause: &Hypothesis) -> bool {
-        match self {
-            Self::Instrument | Self::Machine => cause.is_of_time(),
-            Self::Scale => cause.effect.grows_axis(),
-            Self::Position | Self::Sides | Self::SidesInTime => false,
-        }
+        self.is_of_time() || self.wanderer.with == SidesInTime
     }
 
     /// Its argument at an arrival, 0 to 1.
-    fn argument(self, comparison: &Comparison<'_>, row: usize) -> f64 {
-        let arrival = &comparison.arrivals[row];
+    fn argument(self, row: usize) -> f64 {
+        let arrival = &self.comparison.arrivals[row];
         match self.goes_with_time() {
             true => arrival.progress,
-            false if comparison.line().is_some() => comparison.travelled(arrival),
-            false => 0.5 + comparison.around[row] / TAU,
+            false if self.comparison.line().is_some() => self.comparison.travelled(arrival),
+            false => 0.5 + self.comparison.around[row] / TAU,
         }
     }
 
     /// Half waves of each coordinate.
-    fn waves(self, comparison: &Comparison<'_>) -> u32 {
-        let waves = MOST_WAVES.min(self.stops(comparison) / 2);
+    fn waves(self) -> u32 {
+        let waves = MOST_WAVES.min(self.stops() / 2);
         u32::try_from(waves).unwrap_or(u32::MAX)
     }
 
     /// Number of different arguments: over a line the number of its positions; for lost motion with time the number
     /// of passes, since two are needed to show it.
-    fn stops(self, comparison: &Comparison<'_>) -> usize {
-        if self == Self::SidesInTime {
-            return count(&comparison.passes);
+    fn stops(self) -> usize {
+        if self.wanderer.with == SidesInTime {
+            return count(&self.comparison.passes);
         }
-        match self.is_of_time() || comparison.line().is_none() {
-            true => comparison.arrivals.len(),
-            false => count(&places(comparison)),
+        match self.is_of_time() || self.comparison.line().is_none() {
+            true => self.comparison.arrivals.len(),
+            false => count(&places(self.comparison)),
         }
     }
 
     /// Effect of a unit of each coordinate on a reading.
-    fn seen(self, comparison: &Comparison<'_>, row: usize) -> Vec<f64> {
-        let arrival = &comparison.arrivals[row];
-        match self {
-            Self::Instrument | Self::Position => vec![1.0],
-            Self::Machine => comparison.points[row].along.as_slice().to_vec(),
-            // The point from which it grows is unknown.
-            Self::Scale => vec![1.0, comparison.travelled(arrival) - 0.5],
+    fn seen(self, row: usize) -> Vec<f64> {
+        let arrival = &self.comparison.arrivals[row];
+        match (self.wanderer.who, self.wanderer.with) {
             // Half of the lost motion is missing on either side.
-            Self::Sides | Self::SidesInTime => vec![-0.5 * arrival.sides[comparison.axis()]],
+            (_, Sides | SidesInTime) => vec![-0.5 * arrival.sides[self.comparison.axis()]],
+            (Who::Machine, Campaign) => self.comparison.points[row].along.as_slice().to_vec(),
+            // The point from which it grows is unknown.
+            (Who::Axis(_), Campaign) => vec![1.0, self.comparison.travelled(arrival) - 0.5],
+            _ => vec![1.0],
         }
     }
 
     /// Passes, and cycles of more than one pass, between which it may change by more than within them: where no clock
     /// shows how long the pauses are.
-    fn parts(self, comparison: &Comparison<'_>) -> [usize; 2] {
-        let passes = count(&comparison.passes);
-        let has_stops = LEAST_STOPS * passes <= comparison.arrivals.len();
-        if !self.is_of_time() || comparison.timed || !has_stops || passes > MOST_PASSES {
+    fn parts(self) -> [usize; 2] {
+        let passes = count(&self.comparison.passes);
+        let has_stops = LEAST_STOPS * passes <= self.comparison.arrivals.len();
+        if !self.is_of_time() || self.comparison.timed || !has_stops || passes > MOST_PASSES {
             return [0, 0];
         }
-        let cycles = count(&groups_in_order(&comparison.arrivals, is_of_cycle));
+        let cycles = count(&groups_in_order(&self.comparison.arrivals, is_of_cycle));
         [passes, if cycles < passes { cycles } else { 0 }]
     }
 
     /// Effect of a unit of each coefficient on the readings, coordinate by coordinate; the same for all smooth forms:
     /// the offsets of the passes have a root of zero in those without pauses.
-    pub(crate) fn columns(self, comparison: &Comparison<'_>, form: Form) -> Vec<Vec<f64>> {
-        let functions = self.functions(comparison, form);
-        let rows = parts(comparison)
+    pub(crate) fn columns(self, form: Form) -> Vec<Vec<f64>> {
+        let functions = self.functions(form);
+        let rows = parts(self.comparison)
             .into_iter()
             .enumerate()
             .map(|(row, part)| {
-                let basis = functions.at(self.argument(comparison, row), part);
-                let seen = self.seen(comparison, row);
+                let basis = functions.at(self.argument(row), part);
+                let seen = self.seen(row);
                 let products = seen.iter().flat_map(|x| basis.iter().map(move |b| x * b));
                 products.collect::<Vec<f64>>()
             });
@@ -217,24 +196,24 @@ impl Wanderer {
             .collect()
     }
 
-    fn functions(self, comparison: &Comparison<'_>, form: Form) -> Functions {
+    fn functions(self, form: Form) -> Functions {
         Functions {
             form,
-            waves: self.waves(comparison),
-            parts: self.parts(comparison),
+            waves: self.waves(),
+            parts: self.parts(),
         }
     }
 
     /// Standard deviations of the coefficients, coordinate by coordinate.
-    pub(crate) fn roots(self, comparison: &Comparison<'_>, form: Form) -> Vec<f64> {
-        let roots = self.functions(comparison, form).roots();
-        roots.repeat(self.seen(comparison, 0).len())
+    pub(crate) fn roots(self, form: Form) -> Vec<f64> {
+        let roots = self.functions(form).roots();
+        roots.repeat(self.seen(0).len())
     }
 
     /// Smooth courses that are tried.
-    pub(crate) fn smooth(self, comparison: &Comparison<'_>) -> Vec<Form> {
-        let lengths = correlation_lengths(self.stops(comparison));
-        let pauses: &[Pauses] = match self.parts(comparison) {
+    pub(crate) fn smooth(self) -> Vec<Form> {
+        let lengths = correlation_lengths(self.stops());
+        let pauses: &[Pauses] = match self.parts() {
             [0, _] => &[Pauses::Nowhere],
             [_, 0] => &[Pauses::Nowhere, Pauses::BetweenPasses],
             _ => &[
@@ -245,19 +224,22 @@ impl Wanderer {
         };
         let of_lengths = |&pauses: &Pauses| {
             let lengths = lengths.iter();
-            lengths.map(move |&length| Form::Smooth { length, pauses })
+            lengths.map(move |&length| Form {
+                pauses,
+                ..Form::smooth(length)
+            })
         };
         pauses.iter().flat_map(of_lengths).collect()
     }
 
     /// Periods that are tried, of what goes with time by a clock: without one the phase after a pause is unknown.
     /// What is quicker than a pass from end to end varies with the position and the side as well.
-    pub(crate) fn periods(self, comparison: &Comparison<'_>) -> Vec<f64> {
-        if !self.is_of_time() || !comparison.timed {
+    pub(crate) fn periods(self) -> Vec<f64> {
+        if !self.is_of_time() || !self.comparison.timed {
             return Vec::new();
         }
-        let stops = comparison.arrivals.len() as f64;
-        let passes = count(&comparison.passes) as f64;
+        let stops = self.comparison.arrivals.len() as f64;
+        let passes = count(&self.comparison.passes) as f64;
         let most = MOST_SWINGS.min(passes).min(stops / STOPS_OF_PERIOD);
         let waves = std::iter::successors(Some(1.0), |waves| Some(waves + WAVE_STEP));
         let waves = waves.take_while(|waves| *waves <= most);
@@ -265,19 +247,19 @@ impl Wanderer {
     }
 
     /// Whether a swing with this period is nearly a function of position and side of approach.
-    pub(crate) fn is_of_cycle(comparison: &Comparison<'_>, period: f64) -> bool {
-        let cycles = 1.0 / between_cycles(comparison);
+    pub(crate) fn is_of_cycle(self, period: f64) -> bool {
+        let cycles = 1.0 / between_cycles(self.comparison);
         let waves = 1.0 / period;
         let nearest = (waves / cycles).round().max(1.0) * cycles;
         (waves - nearest).abs() < FROM_CYCLE
     }
 
     /// Positions at which its curve is shown, in the unit of its argument, with the basis there.
-    pub(crate) fn shown(self, comparison: &Comparison<'_>, form: Form) -> Vec<(f64, Vec<f64>)> {
-        let ([first, last], _) = self.range(comparison);
-        let functions = self.functions(comparison, form);
+    pub(crate) fn shown(self, form: Form) -> Vec<(f64, Vec<f64>)> {
+        let ([first, last], _) = self.range();
+        let functions = self.functions(form);
         if functions.parts[0] > 0 {
-            let arrivals = comparison.arrivals.iter().zip(parts(comparison));
+            let arrivals = self.comparison.arrivals.iter().zip(parts(self.comparison));
             let at = |(arrival, part): (&Arrival, [usize; 2])| {
                 (arrival.time_s, functions.at(arrival.progress, part))
             };
@@ -291,16 +273,16 @@ impl Wanderer {
     }
 
     /// Range of its argument, and the unit: s, readings, mm or deg.
-    pub(crate) fn range(self, comparison: &Comparison<'_>) -> ([f64; 2], &'static str) {
+    pub(crate) fn range(self) -> ([f64; 2], &'static str) {
         if self.goes_with_time() {
-            let times = comparison.arrivals.iter().map(|a| a.time_s);
-            return (extremes(times), comparison.unit_of("s"));
+            let times = self.comparison.arrivals.iter().map(|a| a.time_s);
+            return (extremes(times), self.comparison.unit_of("s"));
         }
-        if comparison.line().is_none() {
+        if self.comparison.line().is_none() {
             return ([-180.0, 180.0], "deg");
         }
-        let kind = comparison.machine.axes()[comparison.axis()].kind();
-        let ends = comparison.range.map(|end| kind.position_in_file(end));
+        let kind = self.comparison.machine.axes()[self.comparison.axis()].kind();
+        let ends = self.comparison.range.map(|end| kind.position_in_file(end));
         (ends, kind.position_unit())
     }
 }
