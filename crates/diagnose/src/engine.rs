@@ -62,6 +62,7 @@ mod omnibus;
 mod opposed;
 mod places;
 mod ranking;
+mod report;
 mod search;
 mod smooth;
 mod unseen;
@@ -87,13 +88,12 @@ pub(crate) use omnibus::{
     unexplained, waves_of,
 };
 pub(crate) use opposed::{are_opposed, fitted_effects};
-pub(crate) use places::{places, side};
+pub(crate) use places::{Misfits, side};
 pub(crate) use ranking::{Ranking, plausible, rivals};
+pub(crate) use report::{Findings, rms};
 pub(crate) use search::{find_causes, settle};
 pub(crate) use smooth::{Posterior, SMOOTH_LEVEL, Smooth, beside_one_of, correlation_lengths};
 pub(crate) use unseen::{in_words, length_scale, unseen, untested, without_trace};
 pub(crate) use wandered::{Coefficients, wandered};
-pub(crate) use wandering::{
-    JudgedDisturbance, Wandering, joined_by_others, leader, names, one_by_one,
-};
+pub(crate) use wandering::{JudgedDisturbance, Wandering, instead_of_cause, sought};
 pub(crate) use wanders::{Wanders, wandered_mm, whitened_columns};

@@ -18,11 +18,11 @@ use trueaxis_poses::EffectsOnLengths;
 use trueaxis_selection::{Projection, f_test};
 
 use crate::engine::linear::{Among, Judged, Listed};
+use crate::engine::rms;
 pub(crate) use crate::runs::contradicting::contradicting_runs;
 use crate::runs::fitted::fitted;
 use crate::runs::hypotheses::{candidates, not_observable};
 use crate::said::{Entry, Said};
-use crate::shares::Part;
 use crate::{Cause, Error, LevelReport, Misfit, OmnibusTest, Settings, Shares, Unexplained};
 
 /// Family-wise level of the causes, and level of the misfit of the runs: together they raise an alarm in 0.7 % of
@@ -132,16 +132,11 @@ fn compared(
     }
     let sigma_um =
         1e3 * comparisons.iter().map(|c| c.sigma_mm).sum::<f64>() / comparisons.len() as f64;
-    let rms_um = |model: &Projection| {
-        sigma_um * (model.squares() / model.degrees_of_freedom.max(1.0)).sqrt()
-    };
+    let rms_um = |model: &Projection| sigma_um * rms(model);
     let sought = may_be_named.then_some(share);
     let unexplained =
         is_left.then(|| unexplained(test(&after).p_value, rms_um(&after), sigma_um, sought));
-    let parts = judged
-        .iter()
-        .map(|j| Part::Free(listed.columns_of(&j.cause)));
-    let parts: Vec<Part> = parts.collect();
+    let columns = judged.iter().map(|j| listed.columns_of(&j.cause));
     let misfit = |model: &Projection| Misfit {
         rms_um: rms_um(model),
         heldout_rms_um: None,
@@ -168,7 +163,7 @@ fn compared(
             before: misfit(base),
             after: misfit(&after),
             gain: None,
-            shares: Shares::of_parts(base, &parts, is_left),
+            shares: Shares::of_parts(base, columns, std::iter::empty(), is_left),
             unexplained,
             tests: vec![test(base)],
             tests_after: vec![test(&after)],

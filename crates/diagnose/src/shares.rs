@@ -35,28 +35,27 @@ pub struct Shares {
     pub noise: f64,
 }
 
-/// A part that enters, as whitened columns.
-#[derive(Debug, Clone)]
-pub(crate) enum Part {
-    /// A cause: free coefficients.
-    Free(Vec<Vec<f64>>),
-    /// A disturbance: coefficients with the prior `N(0, 1)`.
-    Smooth(Vec<Vec<f64>>),
-}
-
 impl Shares {
-    /// The shares of causes, then disturbances, in a base model; `is_left` if a test finds something beside them.
-    pub(crate) fn of_parts(base: &Projection, parts: &[Part], is_left: bool) -> Self {
+    /// The shares of causes, then of disturbances, in a base model, each by its whitened columns: free coefficients, or
+    /// such with the prior `N(0, 1)`; `is_left` if a test finds something beside them.
+    pub(crate) fn of_parts(
+        base: &Projection,
+        causes: impl Iterator<Item = Vec<Vec<f64>>>,
+        disturbances: impl Iterator<Item = Vec<Vec<f64>>>,
+        is_left: bool,
+    ) -> Self {
         // Each model is that of the subset without its last part, extended by this part.
         let mut models = vec![base.clone()];
-        for part in parts {
-            let with = |model: &Projection| match part {
-                Part::Free(columns) => model.extended(columns),
-                Part::Smooth(columns) => model.beside(columns).0,
-            };
-            let more: Vec<Projection> = models.par_iter().map(with).collect();
-            models.extend(more);
+        for columns in causes {
+            let more = models.par_iter().map(|model| model.extended(&columns));
+            models.extend(more.collect::<Vec<_>>());
         }
+        let causes = models.len().ilog2() as usize;
+        for columns in disturbances {
+            let more = models.par_iter().map(|model| model.beside(&columns).0);
+            models.extend(more.collect::<Vec<_>>());
+        }
+        let parts = models.len().ilog2() as usize;
         let subsets: Vec<(f64, f64)> = models
             .iter()
             .map(|model| (model.squares(), model.degrees_of_freedom - model.taken))
@@ -68,7 +67,6 @@ impl Shares {
             let (without, with) = (subsets[subset], subsets[subset | 1 << k]);
             (without.0 - with.0) - (without.1 - with.1)
         };
-        let causes = parts.iter().filter(|p| matches!(p, Part::Free(_))).count();
         let share = |k: usize| {
             if k >= causes {
                 // After all causes and the preceding disturbances.
@@ -80,7 +78,7 @@ impl Shares {
                 .sum();
             (mean / all).max(0.0)
         };
-        let mut shares: Vec<f64> = (0..parts.len()).map(share).collect();
+        let mut shares: Vec<f64> = (0..parts).map(share).collect();
         let sum: f64 = shares.iter().sum();
         if sum > 1.0 {
             shares.iter_mut().for_each(|share| *share /= sum);
@@ -121,14 +119,14 @@ mod tests {
                 .collect::<Vec<_>>()
         };
         let base = Projection::dense(vec![3.0, 2.0, 1.0, 1.0, 1.0, 1.0], &[]);
-        let of_two = |k| [0, k].map(|k| Part::Free(vec![unit(k)]));
-        let shares = Shares::of_parts(&base, &of_two(1), true);
+        let of_two = |k| [0, k].into_iter().map(|k| vec![unit(k)]);
+        let shares = Shares::of_parts(&base, of_two(1), std::iter::empty(), true);
         assert!((shares.causes[0] - 8.0 / 17.0).abs() < 1e-12, "{shares:?}");
         assert!((shares.causes[1] - 3.0 / 17.0).abs() < 1e-12, "{shares:?}");
         assert!((shares.noise - 4.0 / 17.0).abs() < 1e-12, "{shares:?}");
         let sum = shares.causes.iter().sum::<f64>() + shares.unexplained + shares.noise;
         assert!((sum - 1.0).abs() < 1e-12, "{shares:?}");
-        let twice = Shares::of_parts(&base, &of_two(0), false);
+        let twice = Shares::of_parts(&base, of_two(0), std::iter::empty(), false);
         assert!((twice.causes[0] - twice.causes[1]).abs() < 1e-12);
         assert!((twice.causes[0] - 4.0 / 17.0).abs() < 1e-12, "{twice:?}");
         assert!(twice.unexplained.abs() < 1e-12);

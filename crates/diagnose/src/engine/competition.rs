@@ -15,7 +15,7 @@ use trueaxis_selection::{DECISIVE, Hypothesis, Null, rank};
 
 use crate::Error;
 use crate::engine::disturbance::{Wanderer, Who, With};
-use crate::engine::wandering::{JudgedDisturbance, judge_all, names, one_by_one};
+use crate::engine::wandering::{JudgedDisturbance, instead_of_cause, one_by_one};
 use crate::engine::wanders::{Beside, disturbances, least, of_wandering, wandering};
 use crate::engine::{
     Culprit, Culprits, Found, SHAPE_ERROR, Search, Suspect, Wanders, find_causes, scan, scans,
@@ -28,6 +28,13 @@ pub(crate) struct Competed<D: Wanders> {
     pub(crate) base: D,
     pub(crate) search: Search<D::Model>,
     pub(crate) wandering: Vec<JudgedDisturbance>,
+}
+
+impl<D: Wanders> Competed<D> {
+    /// Whether it has neither causes nor disturbances.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.search.found.is_empty() && self.wandering.is_empty()
+    }
 }
 
 /// The input of a search for causes.
@@ -110,28 +117,23 @@ fn beat_each<D: Wanders>(
     Ok(first.all(|(_, own)| charged(base, &plain, &[], std::slice::from_ref(own)) <= of_causes))
 }
 
-/// Adds to causes the disturbances that may have been there instead: those with more evidence. A rival
-/// may have [`DECISIVE`] less than a cause, but a disturbance costs as much more. `wandering` is in the model.
-pub(crate) fn add_rival_disturbances<D: Wanders>(
-    base: &D,
-    adjusted: &D::Model,
-    wandering: &[JudgedDisturbance],
-    found: &mut [Found],
-) -> Result<(), Error> {
+/// Adds to causes the disturbances that may have been there instead: those with more evidence.
+pub(crate) fn add_rival_disturbances<D: Wanders>(competed: &mut Competed<D>) -> Result<(), Error> {
+    let Competed {
+        base,
+        search,
+        wandering,
+    } = competed;
+    let base = &*base;
     let beside = Beside::new(base, &[]);
     let is_new = |w: &Wanderer| wandering.iter().all(|own| own.wanderer() != *w);
     let others: Vec<Wanderer> = base.wanderers().into_iter().filter(is_new).collect();
-    for (k, found) in found.iter_mut().enumerate() {
-        let mut suspects = D::suspects(adjusted).to_vec();
+    for (k, found) in search.found.iter_mut().enumerate() {
+        let mut suspects = D::suspects(&search.adjusted).to_vec();
         suspects.remove(k);
-        let without = base.refit_near(adjusted, suspects)?;
-        let judged = judge_all(&beside, &without, &others);
-        for judged in judged.iter().filter(|own| own.evidence > found.evidence) {
-            let names = names(&beside, judged.wanderer());
-            found
-                .wandering
-                .extend(names.map(|name| (name, judged.evidence)));
-        }
+        let without = base.adjust_near(&search.adjusted, suspects)?;
+        let instead = instead_of_cause(&beside, &without, &others, found.evidence);
+        found.wandering.extend(instead);
     }
     Ok(())
 }

@@ -22,18 +22,18 @@ pub(crate) fn cause<D: Measured>(
     data: &D,
     of: trueaxis_effects::Level,
     model: &D::Model,
-    found: Found,
+    found: &Found,
     gain: Option<Gain>,
     (explained_rms_um, fitted): (f64, Option<Fitted>),
 ) -> Cause {
     let (parameters, covariance) = estimated(data, model, &found.suspect);
-    let effects = found.rivals.into_iter();
+    let effects = found.rivals.iter();
     let effects = effects.map(|(suspect, bic)| Rival::Effect {
         effect: suspect.resolved(),
-        delta_bic: bic,
+        delta_bic: *bic,
     });
-    let disturbances = found.wandering.into_iter();
-    let disturbances = disturbances.map(|(wanderer, evidence)| Rival::of(of, wanderer, evidence));
+    let disturbances = found.wandering.iter();
+    let disturbances = disturbances.map(|&(wanderer, evidence)| Rival::of(of, wanderer, evidence));
     Cause {
         p_value: found.p_value,
         delta_bic: found.bic,

@@ -12,6 +12,8 @@ pub(crate) trait Measured: Sync {
     /// The base model adjusted with causes.
     type Model: Send + Sync;
 
+    type Noise: Copy + Send + Sync;
+
     /// Family-wise level of the causes.
     const CAUSE_LEVEL: f64;
 
@@ -46,11 +48,23 @@ pub(crate) trait Measured: Sync {
     /// The time constants or lags to try, ascending.
     fn shapes(&self, shape: Shape) -> Vec<f64>;
 
-    /// Adjusts everything with causes, starting from their present parameters, and estimates the noise.
-    fn refit(&self, suspects: Vec<Suspect>) -> Result<Self::Model, Error>;
+    /// Adjusts everything with causes, starting from their present parameters, with this noise or the estimated one.
+    fn adjust(
+        &self,
+        suspects: Vec<Suspect>,
+        noise: Option<Self::Noise>,
+    ) -> Result<Self::Model, Error>;
 
     /// The same with the noise of a model with other causes.
-    fn refit_near(&self, near: &Self::Model, suspects: Vec<Suspect>) -> Result<Self::Model, Error>;
+    fn adjust_near(
+        &self,
+        near: &Self::Model,
+        suspects: Vec<Suspect>,
+    ) -> Result<Self::Model, Error> {
+        self.adjust(suspects, Some(Self::noise(near)))
+    }
+
+    fn noise(model: &Self::Model) -> Self::Noise;
 
     /// The causes with two names exchanged at once, where exchanging one at a time fails.
     fn exchanged(&self, _: &[Suspect]) -> Option<Vec<Suspect>> {

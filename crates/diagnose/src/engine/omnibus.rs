@@ -71,6 +71,11 @@ impl Omnibus {
         self.test.p_value < OMNIBUS_LEVEL
     }
 
+    /// The tests for the report.
+    pub(crate) fn tests(all: Vec<Self>) -> Vec<OmnibusTest> {
+        all.into_iter().map(|omnibus| omnibus.test).collect()
+    }
+
     /// The tests of several families, each taking at most the share `part` of the degrees of freedom.
     pub(crate) fn of_all(projection: &Projection, families: &[Family], part: f64) -> Vec<Self> {
         let most = part * projection.degrees_of_freedom;

@@ -4,34 +4,52 @@ use std::collections::BTreeMap;
 
 use crate::Place;
 
-/// The groups of rows with something in common, in the order of their keys, each with its name; `rms_um` is the rms
-/// of the rows of a group, before and after. A single group says nothing about where the misfit is.
-pub(crate) fn places(
-    by: &'static str,
-    groups: impl IntoIterator<Item = Option<(usize, String)>>,
-    rms_um: &dyn Fn(&[usize]) -> [f64; 2],
-) -> Vec<Place> {
-    let mut rows_of: BTreeMap<usize, (String, Vec<usize>)> = BTreeMap::new();
-    for (row, group) in groups.into_iter().enumerate() {
-        if let Some((key, name)) = group {
-            let of_key = rows_of.entry(key).or_insert((name, Vec::new()));
-            of_key.1.push(row);
+/// Whitened residuals before and after, for the misfit of groups of readings.
+pub(crate) struct Misfits<'m> {
+    pub(crate) residuals: [&'m [f64]; 2],
+    /// The degrees of freedom, of which rows have equal shares.
+    pub(crate) degrees_of_freedom: [f64; 2],
+    /// Number of readings, and of rows of each.
+    pub(crate) readings: usize,
+    pub(crate) rows: usize,
+    /// Standard deviation of a row, µm.
+    pub(crate) noise_um: f64,
+}
+
+impl Misfits<'_> {
+    /// The groups of readings with something in common, in the order of their keys, each with its name. A single group
+    /// says nothing about where the misfit is.
+    pub(crate) fn places(
+        &self,
+        by: &'static str,
+        groups: impl IntoIterator<Item = Option<(usize, String)>>,
+    ) -> Vec<Place> {
+        let mut readings_of: BTreeMap<usize, (String, Vec<usize>)> = BTreeMap::new();
+        for (reading, group) in groups.into_iter().enumerate() {
+            if let Some((key, name)) = group {
+                let of_key = readings_of.entry(key).or_insert((name, Vec::new()));
+                of_key.1.push(reading);
+            }
         }
-    }
-    if rows_of.len() < 2 {
-        return Vec::new();
-    }
-    let place = |(name, rows): (String, Vec<usize>)| {
-        let [before_um, after_um] = rms_um(&rows);
-        Place {
+        if readings_of.len() < 2 {
+            return Vec::new();
+        }
+        let place = |(name, readings): (String, Vec<usize>)| Place {
             by,
             name,
-            readings: rows.len(),
-            before_um,
-            after_um,
-        }
-    };
-    rows_of.into_values().map(place).collect()
+            readings: readings.len(),
+            before_um: self.rms_um(&readings, 0),
+            after_um: self.rms_um(&readings, 1),
+        };
+        readings_of.into_values().map(place).collect()
+    }
+
+    fn rms_um(&self, readings: &[usize], k: usize) -> f64 {
+        let of_reading = |&i: &usize| &self.residuals[k][self.rows * i..self.rows * (i + 1)];
+        let squares: f64 = readings.iter().flat_map(of_reading).map(|e| e * e).sum();
+        let share = self.degrees_of_freedom[k] / self.readings as f64;
+        self.noise_um * (squares / (readings.len() as f64 * share)).sqrt()
+    }
 }
 
 /// The key and the name of a side of approach.

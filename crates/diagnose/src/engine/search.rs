@@ -85,11 +85,11 @@ impl<D: Measured> Forward for Refitted<'_, D> {
     }
 
     fn fit(&self, causes: Vec<Suspect>) -> Result<D::Model, Error> {
-        self.data.refit(causes)
+        self.data.adjust(causes, None)
     }
 
     fn fit_near(&self, near: &D::Model, causes: Vec<Suspect>) -> Result<D::Model, Error> {
-        self.data.refit_near(near, causes)
+        self.data.adjust_near(near, causes)
     }
 
     fn causes(model: &D::Model) -> &[Suspect] {
@@ -135,7 +135,7 @@ impl<D: Measured> Forward for Refitted<'_, D> {
         let Some(others) = self.data.exchanged(D::suspects(model)) else {
             return Ok(None);
         };
-        let other = self.data.refit_near(model, others)?;
+        let other = self.data.adjust_near(model, others)?;
         let more = D::projection(&other).squares() - D::projection(model).squares();
         if more < -EQUAL {
             return Ok(Some(other));

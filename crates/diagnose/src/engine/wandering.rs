@@ -65,6 +65,15 @@ pub(crate) trait Wandering: Sync {
     }
 }
 
+/// The disturbances that are found one after the other.
+pub(crate) fn sought<W: Wandering>(data: &W) -> Result<Vec<JudgedDisturbance>, Error> {
+    let (model, judged) = one_by_one(data)?;
+    match leader(data, &model, &judged) {
+        Some(first) => Ok(joined_by_others(data, first)?.0),
+        None => Ok(Vec::new()),
+    }
+}
+
 /// Each disturbance as if it were the only one, the one with the most evidence first.
 pub(crate) fn one_by_one<W: Wandering>(
     data: &W,
@@ -120,8 +129,22 @@ pub(crate) fn with_rivals<W: Wandering>(
     }
 }
 
+/// What explains more than a cause, of this evidence, in a model without it, with the evidence. A rival may have
+/// [`DECISIVE`] less than a cause, but a disturbance costs as much more.
+pub(crate) fn instead_of_cause<W: Wandering>(
+    data: &W,
+    without: &W::Model,
+    wanderers: &[Wanderer],
+    evidence: f64,
+) -> Vec<(Wanderer, f64)> {
+    let judged = judge_all(data, without, wanderers).into_iter();
+    let more = judged.filter(|own| own.evidence > evidence);
+    let names = more.flat_map(|own| names(data, own.wanderer()).map(move |w| (w, own.evidence)));
+    names.collect()
+}
+
 /// A wanderer, and what has the same columns under another name.
-pub(crate) fn names<W: Wandering>(data: &W, wanderer: Wanderer) -> impl Iterator<Item = Wanderer> {
+fn names<W: Wandering>(data: &W, wanderer: Wanderer) -> impl Iterator<Item = Wanderer> {
     std::iter::once(wanderer).chain(data.twin(wanderer))
 }
 
@@ -141,10 +164,13 @@ pub(crate) fn joined_by_others<W: Wandering>(
             let mut others = own.clone();
             let before = others.remove(k);
             let without = data.fit_near(&model, &others)?;
-            if let Some(again) = data.judge(&without, before.wanderer()) {
-                moved |= again.disturbance.has_moved(&before.disturbance);
-                let rivals = before.rivals;
-                own[k] = JudgedDisturbance { rivals, ..again };
+            match data.judge(&without, before.wanderer()) {
+                Some(again) => {
+                    moved |= again.disturbance.has_moved(&before.disturbance);
+                    let rivals = before.rivals;
+                    own[k] = JudgedDisturbance { rivals, ..again };
+                }
+                None => own[k].p_value = 1.0,
             }
         }
         let is_left = |judged: &JudgedDisturbance| judged.p_value < SMOOTH_LEVEL;

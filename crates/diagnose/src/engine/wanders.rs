@@ -16,8 +16,6 @@ use crate::engine::{Measured, Suspect};
 
 /// Data that may have disturbances.
 pub(crate) trait Wanders: Measured + Clone + Send {
-    type Noise: Copy + Send + Sync;
-
     /// Rows of a reading.
     const ROWS: usize;
 
@@ -51,15 +49,6 @@ pub(crate) trait Wanders: Measured + Clone + Send {
     fn beside(&self, disturbances: Vec<Disturbance>) -> Self;
 
     fn disturbances(&self) -> &[Disturbance];
-
-    /// Adjusts everything with causes, with this noise or the estimated one.
-    fn adjust(
-        &self,
-        suspects: Vec<Suspect>,
-        noise: Option<Self::Noise>,
-    ) -> Result<Self::Model, Error>;
-
-    fn noise(model: &Self::Model) -> Self::Noise;
 
     fn variance(noise: &Self::Noise) -> f64;
 

@@ -9,16 +9,14 @@ use trueaxis_poses::{LengthCircumstances as Reading, Observation};
 use trueaxis_selection::Projection;
 
 use crate::Error;
+use crate::engine::Wanders;
 use crate::engine::coordinate::{self, Coordinate};
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, Who, With};
-use crate::engine::{Suspect, Wanders};
 use crate::lengths::adjusted::{Adjusted, is_projected};
 use crate::lengths::base::Base;
 use crate::lengths::omnibus::travelled;
 
 impl Wanders for Base<'_> {
-    type Noise = Noise;
-
     const ROWS: usize = 1;
 
     fn wanderers(&self) -> Vec<Wanderer> {
@@ -113,14 +111,6 @@ impl Wanders for Base<'_> {
 
     fn disturbances(&self) -> &[Disturbance] {
         &self.disturbances
-    }
-
-    fn adjust(&self, suspects: Vec<Suspect>, noise: Option<Noise>) -> Result<Adjusted, Error> {
-        Base::adjust(self, suspects, noise)
-    }
-
-    fn noise(model: &Adjusted) -> Noise {
-        model.network.noise
     }
 
     fn variance(noise: &Noise) -> f64 {

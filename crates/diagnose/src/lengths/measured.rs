@@ -1,6 +1,7 @@
 //! The lengths as the search for causes needs them.
 
 use trueaxis_effects::{Layer, Scene, Shape};
+use trueaxis_multilateration::Noise;
 use trueaxis_selection::{DECISIVE, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
 use crate::Error;
@@ -21,6 +22,7 @@ const LAG_RATIO: f64 = 1.6;
 
 impl Measured for Base<'_> {
     type Model = Adjusted;
+    type Noise = Noise;
 
     /// False alarms in one of two hundred clean campaigns.
     const CAUSE_LEVEL: f64 = 0.005;
@@ -94,12 +96,16 @@ impl Measured for Base<'_> {
         }
     }
 
-    fn refit(&self, suspects: Vec<Suspect>) -> Result<Adjusted, Error> {
-        self.adjust(suspects, None)
+    fn adjust(&self, suspects: Vec<Suspect>, noise: Option<Noise>) -> Result<Adjusted, Error> {
+        Base::adjust(self, suspects, noise)
     }
 
-    fn refit_near(&self, near: &Adjusted, suspects: Vec<Suspect>) -> Result<Adjusted, Error> {
-        self.adjust_near(near, suspects)
+    fn adjust_near(&self, near: &Adjusted, suspects: Vec<Suspect>) -> Result<Adjusted, Error> {
+        Base::adjust_near(self, near, suspects)
+    }
+
+    fn noise(model: &Adjusted) -> Noise {
+        model.network.noise
     }
 
     fn exchanged(&self, suspects: &[Suspect]) -> Option<Vec<Suspect>> {

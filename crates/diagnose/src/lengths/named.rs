@@ -2,8 +2,7 @@
 
 use trueaxis_multilateration::Noise;
 
-use crate::engine::{Competed, Found, JudgedDisturbance, Omnibus, only_wandering};
-use crate::lengths::adjusted::Adjusted;
+use crate::engine::{Competed, Omnibus, Search, Suspect, only_wandering};
 use crate::lengths::base::Base;
 use crate::lengths::omnibus::omnibus;
 use crate::lengths::unexplained::unexplained_part;
@@ -13,20 +12,34 @@ use crate::{Error, Unexplained};
 /// small part of something else is no cause.
 const LEAST: f64 = 0.25;
 
-/// The named causes, the model with them and the disturbances beside them, and what they leave.
+/// The named causes, the disturbances beside them, and what the model with both leaves.
 pub(crate) struct Named<'a> {
-    /// The lengths, with the disturbances in their covariance.
-    pub(crate) base: Base<'a>,
-    pub(crate) found: Vec<Found>,
-    pub(crate) wandering: Vec<JudgedDisturbance>,
-    pub(crate) adjusted: Adjusted,
+    pub(crate) competed: Competed<Base<'a>>,
     pub(crate) after: Vec<Omnibus>,
     pub(crate) unexplained: Option<Unexplained>,
 }
 
-impl Named<'_> {
-    pub(crate) fn is_plain(&self) -> bool {
-        self.found.is_empty() && self.wandering.is_empty()
+impl<'a> Named<'a> {
+    /// With the tests of a model; `before` are those of the model with neither.
+    fn tested(competed: Competed<Base<'a>>, before: &[Omnibus]) -> Self {
+        Self {
+            after: match competed.is_plain() {
+                true => before.to_vec(),
+                false => omnibus(&competed.base, &competed.search.adjusted),
+            },
+            competed,
+            unexplained: None,
+        }
+    }
+
+    fn is_left(&self) -> bool {
+        self.after.iter().any(Omnibus::is_clear)
+    }
+
+    /// What is left, with the cause that comes closest to it and its share.
+    fn left(&self, closest: Option<&(Suspect, f64)>) -> Unexplained {
+        let Competed { base, search, .. } = &self.competed;
+        unexplained_part(base, &search.adjusted, &self.after, closest)
     }
 }
 
@@ -38,38 +51,22 @@ pub(crate) fn named<'a>(
     plain: Noise,
     before: &[Omnibus],
 ) -> Result<Named<'a>, Error> {
-    let Competed {
-        base: here,
-        search,
-        wandering,
-    } = model;
-    let mut named = Named {
-        after: match search.found.is_empty() && wandering.is_empty() {
-            true => before.to_vec(),
-            false => omnibus(&here, &search.adjusted),
-        },
-        base: here,
-        found: search.found,
-        wandering,
-        adjusted: search.adjusted,
-        unexplained: None,
-    };
-    let is_left = named.after.iter().any(Omnibus::is_clear);
-    if !is_left && search.left <= 0.0 {
+    let mut named = Named::tested(model, before);
+    let Search { found, left, .. } = &named.competed.search;
+    let is_left = named.is_left();
+    if !is_left && *left <= 0.0 {
         return Ok(named);
     }
-    let explained: f64 = named.found.iter().map(|f| f.statistic).sum();
+    let explained: f64 = found.iter().map(|f| f.statistic).sum();
     let excesses = named.after.iter().map(|t| t.excess);
-    let share = explained / (explained + excesses.fold(search.left, f64::max));
-    let closest = named.found.first().map(|f| (f.suspect.clone(), share));
+    let share = explained / (explained + excesses.fold(*left, f64::max));
+    let closest = found.first().map(|f| (f.suspect.clone(), share));
     if closest.is_some() && share < LEAST {
         named = left_alone(base, plain, before)?;
         // Even if no single test is certain, what several effects share is there.
-        let part = unexplained_part(&named.base, &named.adjusted, &named.after, closest.as_ref());
-        named.unexplained = Some(part);
+        named.unexplained = Some(named.left(closest.as_ref()));
     } else if is_left {
-        let part = unexplained_part(&named.base, &named.adjusted, &named.after, None);
-        named.unexplained = Some(part);
+        named.unexplained = Some(named.left(None));
     }
     Ok(named)
 }
@@ -80,23 +77,14 @@ pub(crate) fn left_alone<'a>(
     plain: Noise,
     before: &[Omnibus],
 ) -> Result<Named<'a>, Error> {
-    let model = only_wandering(base)?;
-    let is_plain = model.wandering.is_empty();
-    let adjusted = match is_plain {
-        true => base.adjust(Vec::new(), Some(plain))?,
-        false => model.search.adjusted,
-    };
-    let after = match is_plain {
-        true => before.to_vec(),
-        false => omnibus(&model.base, &adjusted),
-    };
-    let is_left = after.iter().any(Omnibus::is_clear);
+    let mut model = only_wandering(base)?;
+    if model.is_plain() {
+        model.search.adjusted = base.adjust(Vec::new(), Some(plain))?;
+    }
+    let named = Named::tested(model, before);
+    let unexplained = named.is_left().then(|| named.left(None));
     Ok(Named {
-        found: Vec::new(),
-        unexplained: is_left.then(|| unexplained_part(&model.base, &adjusted, &after, None)),
-        base: model.base,
-        wandering: model.wandering,
-        adjusted,
-        after,
+        unexplained,
+        ..named
     })
 }

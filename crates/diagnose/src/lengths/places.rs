@@ -3,23 +3,16 @@
 use trueaxis_poses::LengthCircumstances as Reading;
 
 use crate::Place;
-use crate::engine::{places as places_by, side};
+use crate::engine::{Misfits, side};
 use crate::lengths::base::Base;
 use crate::lengths::omnibus::travelled;
 
 /// Number of parts of the travel and of the campaign's time.
 const PARTS: usize = 4;
 
-/// Rms of the whitened residuals by station, target, axis, direction, repeat, position and time, before and after;
-/// `scale_um` is the noise of a length, for one degree of freedom.
-pub(crate) fn places(base: &Base<'_>, residuals: [&[f64]; 2], scale_um: [f64; 2]) -> Vec<Place> {
+/// The misfit by station, target, axis, direction, repeat, position and time.
+pub(crate) fn places(base: &Base<'_>, misfits: &Misfits<'_>) -> Vec<Place> {
     let scene = &base.scene;
-    let rms_um = |rows: &[usize]| {
-        [0, 1].map(|k| {
-            let squares: f64 = rows.iter().map(|&i| residuals[k][i].powi(2)).sum();
-            (squares / rows.len() as f64).sqrt() * scale_um[k]
-        })
-    };
     let bounds = (1..PARTS).map(|k| k as f64 / PARTS as f64);
     let quarter = |x: f64| bounds.clone().filter(|bound| x >= *bound).count();
     let first_s = base.readings.first().map_or(0.0, |r| r.time_s);
@@ -37,7 +30,7 @@ pub(crate) fn places(base: &Base<'_>, residuals: [&[f64]; 2], scale_um: [f64; 2]
     };
     let by = |name, group: &dyn Fn(&Reading) -> (usize, String)| {
         let groups = base.readings.iter().map(|r| Some(group(r)));
-        places_by(name, groups, &rms_um)
+        misfits.places(name, groups)
     };
     [
         by("station", &|r| {

@@ -48,10 +48,10 @@ pub(crate) fn looked_at<'a>(
     }
     let before: Vec<Hypothesis> = hypotheses(&searched.search.adjusted);
     let mut looked = searched.look(&base)?;
-    let after = hypotheses(&looked.named.adjusted);
+    let after = hypotheses(&looked.named.competed.search.adjusted);
     let are_same = before.len() == after.len() && before.iter().zip(&after).all(|(a, b)| a.is(b));
     if !are_same {
-        let gross = still_left_out(&all, &base, lengths, &looked.named.adjusted);
+        let gross = still_left_out(&all, &base, lengths, &looked.named.competed.search.adjusted);
         if are_other(&base, &gross) {
             base = leaving_out(&base, &gross)?;
             looked = Searched::of(&base)?.look(&base)?;

@@ -102,7 +102,7 @@ impl<'a> Believed<'a> {
                 }
                 found.clear();
             }
-            search.adjusted = base.refit(suspects(found))?;
+            search.adjusted = base.adjust(suspects(found), None)?;
             for (found, suspect) in found.iter_mut().zip(&search.adjusted.suspects) {
                 found.suspect = suspect.clone();
             }

@@ -4,10 +4,9 @@ use trueaxis_effects::{Displaced, Subject};
 use trueaxis_kinematics::AxisKind;
 use trueaxis_selection::Projection;
 
-use crate::Error;
+use crate::engine::Wanders;
 use crate::engine::coordinate::{self, Coordinate};
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, Who, With};
-use crate::engine::{Measured, Suspect, Wanders};
 use crate::points::base::Base;
 use crate::points::model::Model;
 use crate::points::noise::Noise;
@@ -15,8 +14,6 @@ use crate::points::omnibus::{range, travelled};
 use crate::points::readings::Reading;
 
 impl Wanders for Base<'_> {
-    type Noise = Noise;
-
     const ROWS: usize = 3;
 
     fn wanderers(&self) -> Vec<Wanderer> {
@@ -99,20 +96,6 @@ impl Wanders for Base<'_> {
 
     fn disturbances(&self) -> &[Disturbance] {
         &self.disturbances
-    }
-
-    fn adjust(&self, suspects: Vec<Suspect>, noise: Option<Noise>) -> Result<Model, Error> {
-        match noise {
-            None => self.refit(suspects),
-            Some(noise) => {
-                let model = Model::with(self, &self.columns_of(&suspects), noise, None);
-                Ok(model.fitted(self, suspects))
-            }
-        }
-    }
-
-    fn noise(model: &Model) -> Noise {
-        model.noise
     }
 
     fn variance(noise: &Noise) -> f64 {

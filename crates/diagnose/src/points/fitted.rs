@@ -17,7 +17,7 @@ pub(crate) fn fitted(
 ) -> Result<Option<Fitted>, Error> {
     let others = model.suspects.iter();
     let others = others.filter(|s| !s.hypothesis.is(&suspect.hypothesis));
-    let without = base.refit_near(model, others.cloned().collect())?;
+    let without = base.adjust_near(model, others.cloned().collect())?;
     let reference_from_rows = base.reference_from_rows();
     let in_mm = |model: &Model| {
         let mut residuals = model.projection.residuals.clone();

@@ -7,6 +7,7 @@ use crate::Error;
 use crate::engine::{Culprit, Measured, Suspect, busy_s, in_equal_ratios};
 use crate::points::base::Base;
 use crate::points::model::Model;
+use crate::points::noise::Noise;
 
 /// Time constants to try, in equal ratios from a hundredth of the campaign without long pauses, but at least three stops, to three times its length.
 const TIME_CONSTANTS: i32 = 20;
@@ -20,6 +21,7 @@ const CREPT_UM: [f64; 2] = [-1e3, 1e3];
 
 impl Measured for Base<'_> {
     type Model = Model;
+    type Noise = Noise;
 
     /// With the level of the omnibus tests, and since [`Null`](trueaxis_selection::Null) underestimates scans over
     /// instants by a factor of about two, one of 150 clean campaigns raises an alarm.
@@ -76,14 +78,17 @@ impl Measured for Base<'_> {
         in_equal_ratios(shortest, ratio, TIME_CONSTANTS)
     }
 
-    fn refit(&self, suspects: Vec<Suspect>) -> Result<Model, Error> {
-        let model = Model::estimated(self, &self.columns_of(&suspects));
+    fn adjust(&self, suspects: Vec<Suspect>, noise: Option<Noise>) -> Result<Model, Error> {
+        let columns = self.columns_of(&suspects);
+        let model = match noise {
+            None => Model::estimated(self, &columns),
+            Some(noise) => Model::with(self, &columns, noise, None),
+        };
         Ok(model.fitted(self, suspects))
     }
 
-    fn refit_near(&self, near: &Model, suspects: Vec<Suspect>) -> Result<Model, Error> {
-        let model = Model::with(self, &self.columns_of(&suspects), near.noise, None);
-        Ok(model.fitted(self, suspects))
+    fn noise(model: &Model) -> Noise {
+        model.noise
     }
 
     /// A displacement without a range of its own is at most that of a frame that somebody bumped: farther off it is

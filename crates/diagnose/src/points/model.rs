@@ -113,11 +113,6 @@ impl Model {
         ];
         1.0 - taken.into_iter().flatten().map(|x| x * x).sum::<f64>()
     }
-
-    /// Rms of what a model leaves, for one degree of freedom, in units of the noise.
-    pub(crate) fn rms(projection: &Projection) -> f64 {
-        (projection.squares() / projection.degrees_of_freedom.max(1.0)).sqrt()
-    }
 }
 
 /// `Xᵀ M X` of columns that are zero except in a few rows of one pose from `first` on; rows one after the other.

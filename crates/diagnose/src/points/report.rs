@@ -4,9 +4,10 @@ use nalgebra::Vector3;
 use trueaxis_campaign::{Campaign, Points};
 use trueaxis_effects::{Level, ResolvedEffect, Scene};
 
+use crate::Error;
 use crate::engine::{
-    Competed, HeldOut, Measured, Omnibus, Suspect, Wanders, add_rival_disturbances, cause,
-    is_tested, of_catalogue, unexplained, wandered, wandered_mm, whitened_columns,
+    Findings, Misfits, Omnibus, Suspect, Wanders, add_rival_disturbances, is_tested, of_catalogue,
+    rms, unexplained, wandered_mm,
 };
 use crate::points::base::Base;
 use crate::points::believed::{Believed, suspects};
@@ -18,9 +19,7 @@ use crate::points::not_observable::not_observable;
 use crate::points::omnibus::{families, omnibus};
 use crate::points::places::places;
 use crate::points::screened::{Screened, without};
-use crate::said::{Entry, Said};
-use crate::shares::Part;
-use crate::{Error, LevelReport, Misfit, Shares};
+use crate::said::Said;
 
 /// Fewest degrees of freedom for a judgement.
 const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
@@ -56,12 +55,7 @@ pub(crate) fn diagnose_points(
         }
         screened = again;
     }
-    let Competed {
-        base,
-        search,
-        wandering,
-    } = &mut believed.competed;
-    add_rival_disturbances(base, &search.adjusted, wandering, &mut search.found)?;
+    add_rival_disturbances(&mut believed.competed)?;
     said(&screened, points, believed)
 }
 
@@ -89,69 +83,51 @@ fn said(
         after,
         heldout,
     } = believed;
-    let (base, wandering) = (&competed.base, competed.wandering);
-    let (found, model) = (competed.search.found, competed.search.adjusted);
+    let (base, model) = (&competed.base, &competed.search.adjusted);
     // Both models in the final noise.
     let sharp = Model::with(&base.beside(Vec::new()), &[], model.noise, None);
     let noise_um = model.noise.mean_um(&base.readings);
-    let (before_um, after_um) = (
-        noise_um * Model::rms(&sharp.projection),
-        noise_um * Model::rms(&model.projection),
-    );
-    // Rounding is not tested.
-    let before = match after.is_empty() {
-        true => Vec::new(),
-        false => omnibus(&sharp, &families(base, &sharp)),
+    // Rounding is neither tested nor doubted.
+    let (before, doubted) = match after.is_empty() {
+        true => (Vec::new(), None),
+        false => (
+            omnibus(&sharp, &families(base, &sharp)),
+            doubted(base, model, noise_um, screened.are_many),
+        ),
     };
     let is_left = after.iter().any(Omnibus::is_clear);
+    let after_um = noise_um * rms(&model.projection);
     let left = || unexplained(Level::Points, &model.projection, &after, after_um);
-    // Nor is it doubted.
-    let doubted = || doubted(base, &model, noise_um, screened.are_many);
-    let doubted = (!after.is_empty()).then(doubted).flatten();
     let unexplained = doubted.or_else(|| is_left.then(left));
-    let gain = heldout.map(|h| h.gain(before_um, after_um, noise_um));
-    let of_cause = base.columns(&sharp);
-    let columns = model.suspects.iter();
-    let columns = columns.map(|s| Part::Free(of_cause(&s.hypothesis, s.shape)));
-    let smooth = base.disturbances.iter();
-    let smooth = smooth.map(|own| Part::Smooth(whitened_columns(base, &sharp, own)));
-    let parts: Vec<Part> = columns.chain(smooth).collect();
-    let misfit = |rms_um: f64, of: fn(&HeldOut) -> f64| Misfit {
-        rms_um,
-        heldout_rms_um: heldout.as_ref().map(|h| of(h) * noise_um),
+    let misfits = Misfits {
+        residuals: [&sharp, model].map(|m| &*m.projection.residuals),
+        degrees_of_freedom: [&sharp, model].map(|m| m.projection.degrees_of_freedom),
+        readings: base.readings.all.len(),
+        rows: 3,
+        noise_um,
     };
-    let tests = |all: Vec<Omnibus>| all.into_iter().map(|t| t.test).collect();
-    let report = LevelReport {
+    let findings = Findings {
         level: Level::Points,
         data: format!("{} points", base.readings.all.len()),
-        noise_floor_um: noise_um,
-        prediction_u_um: None,
-        before: misfit(before_um, |h| h.before),
-        after: misfit(after_um, |h| h.after),
-        gain,
-        shares: Shares::of_parts(&sharp.projection, &parts, unexplained.is_some()),
+        competed: &competed,
+        sharp: &sharp,
+        noise_um,
+        floor_um: noise_um,
+        heldout,
+        stations_out: None,
+        tests: [before, after],
         unexplained,
-        tests: tests(before),
-        tests_after: tests(after),
-        places: places(base, &sharp, &model, noise_um),
+        places: places(base, &misfits),
     };
-    let gain = gain.filter(|_| found.len() + wandering.len() == 1);
-    let disturbances = wandered(base, Level::Points, &model, &wandering, gain);
-    let effects: Vec<ResolvedEffect> = found.iter().map(|f| f.suspect.resolved()).collect();
-    let causes = found.into_iter().map(|found| {
-        let effect_um = rms_of_effect_um(base, &found.suspect);
-        let shown = (effect_um, fitted(base, &model, &found.suspect)?);
-        Ok(cause(base, Level::Points, &model, found, gain, shown))
-    });
-    let causes = causes.collect::<Result<_, Error>>()?;
-    let is_changed = !effects.is_empty() || !disturbances.is_empty() || !gross.is_empty();
-    let wandered_mm = wandered_mm(base, &model, None);
+    let entry = findings.entry(|suspect| {
+        let effect_um = rms_of_effect_um(base, suspect);
+        Ok((effect_um, fitted(base, model, suspect)?))
+    })?;
+    let found = competed.search.found.iter();
+    let effects: Vec<ResolvedEffect> = found.map(|f| f.suspect.resolved()).collect();
+    let is_changed = !competed.is_plain() || !gross.is_empty();
+    let wandered_mm = wandered_mm(base, model, None);
     let corrected = is_changed.then(|| corrected(screened, points, &effects, &wandered_mm));
-    let entry = Entry {
-        report,
-        causes,
-        disturbances,
-    };
     let said = Said {
         entries: vec![entry],
         not_observable: not_observable(base, &sharp),

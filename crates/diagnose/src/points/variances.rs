@@ -12,6 +12,7 @@
 
 use trueaxis_leastsquares::chi_squared_upper_tail;
 
+use crate::engine::rms;
 use crate::points::base::Base;
 use crate::points::model::{Model, left_of};
 use crate::points::noise::Noise;
@@ -92,7 +93,7 @@ impl Model {
             return_mm: [declared_mm.unwrap_or(1e-3); 3],
         };
         let first = Self::with(base, causes_mm, unit, None);
-        let scale = Self::rms(&first.projection);
+        let scale = rms(&first.projection);
         let mut noise = Noise {
             own_mm: unit.own_mm.map(|s| s * scale.max(f64::MIN_POSITIVE)),
             return_mm: unit.return_mm.map(|s| s * scale),

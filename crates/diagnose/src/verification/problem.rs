@@ -15,7 +15,7 @@ use trueaxis_predict::CalibratedMachine;
 use trueaxis_selection::Projection;
 
 use crate::engine::linear::{Chosen, Listed};
-use crate::engine::{Family, JudgedDisturbance};
+use crate::engine::{Family, JudgedDisturbance, rms};
 use crate::verification::autocorrelation::Noise;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
@@ -178,7 +178,7 @@ impl<'a> Problem<'a> {
 
     /// Rms per degree of freedom of what a model leaves and the last digit hides, µm.
     pub(crate) fn rms_um(&self, model: &Projection) -> f64 {
-        self.whitening.sigma_um * (model.squares() / model.degrees_of_freedom.max(1.0)).sqrt()
+        self.whitening.sigma_um * rms(model)
     }
 
     /// Standard deviation of a reading that a model leaves, µm: at least that of the last digit.

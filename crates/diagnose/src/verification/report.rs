@@ -4,7 +4,7 @@ use trueaxis_effects::{Level, ResolvedEffect, Scene};
 use trueaxis_selection::{Fit, Projection, add, combined};
 
 use crate::engine::linear::{Chosen, Listed, without};
-use crate::engine::{JudgedDisturbance, places as places_by, side};
+use crate::engine::{JudgedDisturbance, Misfits, side};
 use crate::fitted::{Against, Fitted, Row};
 use crate::verification::arrivals::Arrival;
 use crate::verification::held_out::gain_of;
@@ -149,18 +149,17 @@ pub(crate) fn add_rivals(
 
 /// The misfit by direction and by cycle.
 pub(crate) fn places(problem: &Problem<'_>, before: &Projection, after: &Projection) -> Vec<Place> {
-    let rms_um = |rows: &[usize]| {
-        [before, after].map(|model| {
-            let squares: f64 = rows.iter().map(|&row| model.residuals[row].powi(2)).sum();
-            // The rows' share of the degrees of freedom.
-            let degrees_of_freedom = model.degrees_of_freedom - problem.whitening.pseudo as f64;
-            let share = degrees_of_freedom / problem.readings() as f64;
-            problem.whitening.sigma_um * (squares / (rows.len() as f64 * share)).sqrt()
-        })
+    let models = [before, after];
+    let misfits = Misfits {
+        residuals: models.map(|model| &*model.residuals),
+        degrees_of_freedom: models.map(|m| m.degrees_of_freedom - problem.whitening.pseudo as f64),
+        readings: problem.readings(),
+        rows: 1,
+        noise_um: problem.whitening.sigma_um,
     };
     let by = |name, group: &dyn Fn(&Arrival) -> (usize, String)| {
         let groups = problem.comparison.arrivals.iter().map(|a| Some(group(a)));
-        places_by(name, groups, &rms_um)
+        misfits.places(name, groups)
     };
     [
         by("direction", &|a| side(a.direction)),

@@ -6,7 +6,6 @@ use trueaxis_selection::{Projection, add};
 use crate::engine::linear::{Chosen, without};
 use crate::engine::{Coefficients, JudgedDisturbance, Omnibus};
 use crate::said::Entry;
-use crate::shares::Part;
 use crate::verification::another_curve::another_curve;
 use crate::verification::competition::compete;
 use crate::verification::doubted::doubted;
@@ -109,10 +108,8 @@ impl<'a> Series<'a> {
             .or_else(|| another_curve(problem, &chosen, &after))
             .or_else(of_tests)
             .or_else(|| is_plain.then(|| impossible(problem)).flatten());
-        let of_causes = chosen.iter();
-        let of_causes = of_causes.map(|cause| Part::Free(problem.listed.columns_of(cause)));
-        let smooth = wandering.iter().map(|w| Part::Smooth(w.columns(plain)));
-        let parts: Vec<Part> = of_causes.chain(smooth).collect();
+        let columns = chosen.iter().map(|cause| problem.listed.columns_of(cause));
+        let smooth = wandering.iter().map(|w| w.columns(plain));
         let held_before = held_out(plain, &[]);
         let held_after = held_out(problem, &chosen);
         let gain = gain(problem, &held_before, &held_after);
@@ -132,10 +129,10 @@ impl<'a> Series<'a> {
                 before: misfit(plain, &[], &held_before),
                 after: misfit(problem, &chosen, &held_after),
                 gain,
-                shares: Shares::of_parts(before, &parts, unexplained.is_some()),
+                shares: Shares::of_parts(before, columns, smooth, unexplained.is_some()),
                 unexplained,
-                tests: tests.into_iter().map(|t| t.test).collect(),
-                tests_after: tests_after.into_iter().map(|t| t.test).collect(),
+                tests: Omnibus::tests(tests),
+                tests_after: Omnibus::tests(tests_after),
                 places: report::places(problem, &plain.as_predicted, &problem.part(&chosen)),
             },
             causes,

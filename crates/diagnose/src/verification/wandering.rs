@@ -5,9 +5,7 @@ use trueaxis_selection::{ALIKE, Fit, Hypothesis, Projection, ln_f_test};
 
 use crate::engine::disturbance::{Disturbance, Form, Wanderer, Who, With};
 use crate::engine::linear::{Candidate, Chosen, without};
-use crate::engine::{
-    JudgedDisturbance, SMOOTH_LEVEL, Smooth, Wandering, joined_by_others, leader, names, one_by_one,
-};
+use crate::engine::{JudgedDisturbance, SMOOTH_LEVEL, Smooth, Wandering, instead_of_cause, sought};
 use crate::extremes::extremes;
 use crate::verification::lost_motion::beyond_drives;
 use crate::verification::problem::Problem;
@@ -35,15 +33,8 @@ pub(crate) fn wandering(plain: &Problem<'_>, causes: &[Chosen]) -> Vec<JudgedDis
         all.retain(|wanderer| wanderer.with != With::SidesInTime);
     }
     let beside = Beside { plain, causes, all };
-    let found = || -> Result<Vec<JudgedDisturbance>, Error> {
-        let (model, judged) = one_by_one(&beside)?;
-        match leader(&beside, &model, &judged) {
-            Some(first) => Ok(joined_by_others(&beside, first)?.0),
-            None => Ok(Vec::new()),
-        }
-    };
     // Nothing is adjusted, so nothing fails.
-    found().unwrap_or_default()
+    sought(&beside).unwrap_or_default()
 }
 
 impl<'a> Wandering for Beside<'_, 'a> {
@@ -148,23 +139,15 @@ pub(crate) fn rival_disturbances(
         causes: &without(causes, k),
         all: wanderers(problem.comparison, problem.calibrated),
     };
-    let is_known = |w: Wanderer| known.iter().any(|own| own.wanderer() == w);
-    let of_same = beside.all.iter().copied();
-    let of_same = of_same.filter(|w| is_course_of(*w, hypothesis) && !is_known(*w));
-    let judged = of_same.filter_map(|wanderer| beside.judge(problem, wanderer));
-    let as_good = judged.filter(|own| own.evidence > evidence);
-    let all = as_good.flat_map(|own| {
-        let names = names(&beside, own.wanderer());
-        names.map(move |name| (name, own.evidence))
-    });
-    let mut all: Vec<(Wanderer, f64)> = all.collect();
+    let is_new = |w: &&Wanderer| known.iter().all(|own| own.wanderer() != **w);
+    let of_same = beside.all.iter().filter(|w| is_course_of(**w, hypothesis));
+    let of_same: Vec<Wanderer> = of_same.filter(is_new).copied().collect();
+    let mut all = instead_of_cause(&beside, problem, &of_same, evidence);
     let is_new = |other: &Wanderer| all.iter().all(|(name, _)| name != other);
     let other = inseparable(problem, hypothesis).filter(is_new);
     all.extend(other.map(|other| (other, evidence)));
-    let rivals = all.into_iter();
-    rivals
-        .map(|(name, evidence)| Rival::of(Level::Verification, name, evidence))
-        .collect()
+    let rival = |(name, evidence)| Rival::of(Level::Verification, name, evidence);
+    all.into_iter().map(rival).collect()
 }
 
 /// What one file cannot separate from a cause, without a name in the catalogue. No shift or drift of the machine
