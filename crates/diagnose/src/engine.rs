@@ -27,6 +27,18 @@
 //! | only the shape of others | less than a twentieth | the same, unless they must leave nothing | never: an effect stands out from the rest of its curve |
 //! | cancel each other | effects after the fit | the same | not in the catalogue |
 //!
+//! Disturbances are sought by one loop, too, [`mod@wandering`]: one after the other, each judged beside the others and
+//! the causes. Here a kind of data decides by itself:
+//!
+//! | | lengths, points ([`wanders`]) | readings |
+//! | --- | --- | --- |
+//! | most disturbances | 3 | 2: a table has one coordinate, and few passes |
+//! | first | the one with the most evidence, or one that all data share, whichever explains more | the one with the most evidence: each concerns all readings |
+//! | swings, offsets in pauses | no: an occupation has few swings, and lengths have a clock | yes |
+//! | subjects that share the prior | stations, targets, axes | none |
+//! | impossible sizes | more than 5 mm | an axis that grows by more than axes do |
+//! | lost motion | its change, where it is a cause, is tested alone | a rival, where a course in time hides it |
+//!
 //! The common parts are here:
 //!
 //! - [`hypotheses`]: every effect of a level on every subject as whitened columns, for a list of shapes or all
@@ -92,7 +104,7 @@ pub(crate) use places::{Misfits, side};
 pub(crate) use ranking::{Ranking, plausible, rivals};
 pub(crate) use report::{Findings, rms};
 pub(crate) use search::{find_causes, settle};
-pub(crate) use smooth::{Posterior, SMOOTH_LEVEL, Smooth, beside_one_of, correlation_lengths};
+pub(crate) use smooth::{Posterior, SMOOTH_LEVEL, Smooth, beside_all, correlation_lengths};
 pub(crate) use unseen::{in_words, length_scale, unseen, untested, without_trace};
 pub(crate) use wandered::{Coefficients, wandered};
 pub(crate) use wandering::{JudgedDisturbance, Wandering, instead_of_cause, sought};

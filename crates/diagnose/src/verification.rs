@@ -26,7 +26,6 @@ mod competition;
 mod copied;
 mod described;
 mod doubted;
-mod functions;
 mod given_once;
 mod gross_error;
 mod gross_errors;

@@ -11,22 +11,8 @@
 //! half waves (Solin and Särkkä 2020), which needs only a dozen columns for each coordinate. `ℓ` is one of a few,
 //! equally likely a priori, none shorter than three stops: faster changes are repeatability.
 //!
-//! | who | what moves | with | basis for each coordinate | lengths | points |
-//! | --- | --- | --- | --- | --- | --- |
-//! | machine | three translations | time, in each occupation of a station | 13 (17) | x | the whole campaign |
-//! | all tripods | three translations each | time, in each occupation | 13 | x | |
-//! | frame of the instrument | three translations, three rotations | time | 17 | | x |
-//! | air | the scale of the lengths | time, in each occupation | 13 | x | |
-//! | station | three translations and the dead path | time in its occupation | 13 | x | |
-//! | station | the dead path | position of the axis that runs | 13 | x | |
-//! | target | three translations | time | 17 | x | x |
-//! | target | three translations | position of the axis that runs | 7 | x | x |
-//! | axis | lost motion, without its mean | position, by side of approach | 8 | x | x |
-//! | axis | lost motion, without its mean | time, by side of approach | 10 | x | x |
-//! | axis | its scale: the middle of its travel, and one end against it | time | 20 | x | x |
-//! | axis | its geometry ([`mod@super::coordinate`]) | time, by functions of its position | 10 | x | x |
-//!
-//! The waves of the last three rows go beyond both ends of the campaign ([`mod@super::basis`]).
+//! Who wanders, what moves, and with what, is in tables of `docs/diagnosis.md` (What wanders). Where lost motion, scale
+//! and geometry of an axis change with time, the waves go beyond both ends of the campaign ([`mod@super::basis`]).
 //!
 //! There is no axis with position alone: the free poses of the base model absorb it, and so they absorb the mean of
 //! its geometry. Without targets on the bed the machine with time and all tripods (the frame without its rotations)
@@ -93,8 +79,8 @@ pub(crate) struct Disturbance {
 pub(crate) struct Form {
     /// ℓ, as a share of the range of the argument.
     pub(crate) length: f64,
-    /// Whether it swings with one period instead, as an air conditioning does.
-    pub(crate) swings: bool,
+    /// T of a swing, as an air conditioning makes: after a quarter of it, ℓ, nothing is alike.
+    pub(crate) period: Option<f64>,
     /// Where it goes on in pauses of unknown duration.
     pub(crate) pauses: Pauses,
     /// Ratio of the prior widths of displacements and rotations of a stage; 1 for everything else.
@@ -110,7 +96,7 @@ impl Form {
     pub(crate) fn smooth(length: f64) -> Self {
         Self {
             length,
-            swings: false,
+            period: None,
             pauses: Pauses::Nowhere,
             displaced: 1.0,
             turned_at_home: 1.0,
@@ -122,14 +108,9 @@ impl Form {
     /// repeats in nearly the time of a cycle would look simpler as an error of the axis.
     pub(crate) fn swing(period: f64) -> Self {
         Self {
-            swings: true,
+            period: Some(period),
             ..Self::smooth(0.25 * period)
         }
-    }
-
-    /// T of a swing, after a quarter of which nothing is alike.
-    pub(crate) fn period(self) -> Option<f64> {
-        self.swings.then_some(4.0 * self.length)
     }
 }
 
@@ -172,6 +153,10 @@ pub(crate) struct Here {
 }
 
 impl Wanderer {
+    pub(crate) const fn new(who: Who, with: With) -> Self {
+        Self { who, with }
+    }
+
     /// The layer to which it belongs.
     pub(crate) fn layer(self) -> Layer {
         match self.who {

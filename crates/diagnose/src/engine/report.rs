@@ -4,7 +4,7 @@ use trueaxis_effects::Level;
 use trueaxis_selection::Projection;
 
 use crate::engine::{
-    Competed, HeldOut, Omnibus, Suspect, Wanders, cause, wandered, whitened_columns,
+    Competed, HeldOut, Misfits, Omnibus, Suspect, Wanders, cause, wandered, whitened_columns,
 };
 use crate::fitted::Fitted;
 use crate::said::Entry;
@@ -27,7 +27,9 @@ pub(crate) struct Findings<'f, D: Wanders> {
     /// The tests before and after.
     pub(crate) tests: [Vec<Omnibus>; 2],
     pub(crate) unexplained: Option<Unexplained>,
-    pub(crate) places: Vec<Place>,
+    /// What all causes and disturbances leave, and the places to look at.
+    pub(crate) left: &'f Projection,
+    pub(crate) places: &'f dyn Fn(&Misfits<'_>) -> Vec<Place>,
 }
 
 /// Rms of what a model leaves, for one degree of freedom, in units of the noise.
@@ -63,6 +65,14 @@ impl<D: Wanders> Findings<'_, D> {
             rms_um,
             heldout_rms_um: self.heldout.as_ref().map(|h| of(h) * self.noise_um),
         };
+        let before = D::projection(self.sharp);
+        let misfits = Misfits {
+            residuals: [before, self.left].map(|p| &*p.residuals),
+            degrees_of_freedom: [before, D::projection(model)].map(|p| p.degrees_of_freedom),
+            readings: before.rows() / D::ROWS,
+            rows: D::ROWS,
+            noise_um: self.noise_um,
+        };
         let [tests, tests_after] = self.tests.map(Omnibus::tests);
         let report = LevelReport {
             level: self.level,
@@ -72,11 +82,11 @@ impl<D: Wanders> Findings<'_, D> {
             before: misfit(before_um, |h| h.before),
             after: misfit(after_um, |h| h.after),
             gain,
-            shares: Shares::of_parts(D::projection(self.sharp), of_causes, smooth, is_left),
+            shares: Shares::of_parts(before, of_causes, smooth, is_left),
             unexplained: self.unexplained,
             tests,
             tests_after,
-            places: self.places,
+            places: (self.places)(&misfits),
         };
         let gain = gain.filter(|_| found.len() + wandering.len() == 1);
         let causes = found.iter().map(|found| {

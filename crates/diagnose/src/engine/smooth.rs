@@ -81,17 +81,20 @@ impl Smooth {
     }
 }
 
-/// Twice the logarithm of the marginal likelihood ratio of one of `tried` processes, scaled to its prior, against a
-/// model without it; and the model with it.
-pub(crate) fn beside_one_of(
+/// Twice the logarithm of the marginal likelihood ratio of processes against a model without them, and the model with
+/// them. Each has columns scaled to its prior, and is one of a number that are equally likely.
+pub(crate) fn beside_all(
     model: &Projection,
-    columns: &[Vec<f64>],
-    tried: usize,
+    processes: impl Iterator<Item = (Vec<Vec<f64>>, usize)>,
 ) -> (f64, Projection) {
-    let (with, ln_price) = model.beside(columns);
-    let ratio = (with.squares() / model.squares()).max(f64::MIN_POSITIVE);
-    let evidence = -(model.degrees_of_freedom * ratio.ln() + ln_price + 2.0 * (tried as f64).ln());
-    (evidence, with)
+    let (mut sum, mut model) = (0.0, model.clone());
+    for (columns, likely) in processes {
+        let (with, ln_price) = model.beside(&columns);
+        let ratio = (with.squares() / model.squares()).max(f64::MIN_POSITIVE);
+        sum -= model.degrees_of_freedom * ratio.ln() + ln_price + 2.0 * (likely as f64).ln();
+        model = with;
+    }
+    (sum, model)
 }
 
 /// Posterior of coefficients with the prior `N(0, I)`: mean and covariance, in variances of the noise.

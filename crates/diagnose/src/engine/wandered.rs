@@ -38,7 +38,7 @@ impl JudgedDisturbance {
                 value: form.length * (last - first),
                 unit,
             },
-            period: form.period().map(|period| period * (last - first)),
+            period: form.period.map(|period| period * (last - first)),
             heldout_gain: gain.map(|gain| 1.0 - gain.heldout_rms_ratio),
             curve,
             rivals: rivals.map(|&w| whose(level, w, None)).collect(),

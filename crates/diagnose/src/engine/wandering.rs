@@ -41,17 +41,12 @@ pub(crate) trait Wandering: Sync {
     /// All wanderers that the data may show beside the causes.
     fn wanderers(&self) -> &[Wanderer];
 
-    /// The model with disturbances, in its own noise.
-    fn fit(&self, own: &[JudgedDisturbance]) -> Result<Self::Model, Error>;
-
-    /// The same in the noise of a model with others.
-    fn fit_near(
+    /// The model with disturbances, in the noise of another one or its own.
+    fn fit(
         &self,
-        _near: &Self::Model,
         own: &[JudgedDisturbance],
-    ) -> Result<Self::Model, Error> {
-        self.fit(own)
-    }
+        near: Option<&Self::Model>,
+    ) -> Result<Self::Model, Error>;
 
     /// A disturbance in what a model leaves; `None` if the data do not show it.
     fn judge(&self, model: &Self::Model, wanderer: Wanderer) -> Option<JudgedDisturbance>;
@@ -78,7 +73,7 @@ pub(crate) fn sought<W: Wandering>(data: &W) -> Result<Vec<JudgedDisturbance>, E
 pub(crate) fn one_by_one<W: Wandering>(
     data: &W,
 ) -> Result<(W::Model, Vec<JudgedDisturbance>), Error> {
-    let model = data.fit(&[])?;
+    let model = data.fit(&[], None)?;
     let judged = judge_all(data, &model, data.wanderers());
     Ok((model, judged))
 }
@@ -158,12 +153,12 @@ pub(crate) fn joined_by_others<W: Wandering>(
     // Otherwise one that is not significant beside the others would come back for ever.
     let mut dropped: Vec<Wanderer> = Vec::new();
     loop {
-        let mut model = data.fit(&own)?;
+        let mut model = data.fit(&own, None)?;
         let mut moved = false;
         for k in 0..own.len() {
             let mut others = own.clone();
             let before = others.remove(k);
-            let without = data.fit_near(&model, &others)?;
+            let without = data.fit(&others, Some(&model))?;
             match data.judge(&without, before.wanderer()) {
                 Some(again) => {
                     moved |= again.disturbance.has_moved(&before.disturbance);
@@ -182,7 +177,7 @@ pub(crate) fn joined_by_others<W: Wandering>(
         moved |= !gone.is_empty();
         dropped.extend(gone.iter().map(JudgedDisturbance::wanderer));
         if moved {
-            model = data.fit(&own)?;
+            model = data.fit(&own, None)?;
         }
         let is_new = |w: &Wanderer| !dropped.contains(w) && own.iter().all(|o| o.wanderer() != *w);
         let others = data.wanderers().iter().copied().filter(is_new);

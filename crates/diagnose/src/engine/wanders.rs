@@ -8,7 +8,7 @@ use trueaxis_selection::{DECISIVE, Projection};
 use crate::Error;
 use crate::engine::coordinate::Coordinate;
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, With};
-use crate::engine::smooth::{SMOOTH_LEVEL, Smooth, beside_one_of};
+use crate::engine::smooth::{SMOOTH_LEVEL, Smooth, beside_all};
 use crate::engine::wandering::{
     JudgedDisturbance, Wandering, joined_by_others, leader, one_by_one, with_rivals,
 };
@@ -145,14 +145,9 @@ impl<D: Wanders> Wandering for Beside<'_, D> {
         &self.all
     }
 
-    fn fit(&self, own: &[JudgedDisturbance]) -> Result<D::Model, Error> {
+    fn fit(&self, own: &[JudgedDisturbance], near: Option<&D::Model>) -> Result<D::Model, Error> {
         let beside = self.base.beside(disturbances(own));
-        beside.adjust(self.suspects.to_vec(), None)
-    }
-
-    fn fit_near(&self, near: &D::Model, own: &[JudgedDisturbance]) -> Result<D::Model, Error> {
-        let beside = self.base.beside(disturbances(own));
-        beside.adjust(self.suspects.to_vec(), Some(D::noise(near)))
+        beside.adjust(self.suspects.to_vec(), near.map(D::noise))
     }
 
     /// None that would be larger than anything that wanders.
@@ -267,18 +262,13 @@ pub(crate) fn of_wandering<D: Wanders>(
     plain: &D::Model,
     wandering: &[JudgedDisturbance],
 ) -> (f64, Projection) {
-    let mut projection = D::projection(plain).clone();
-    let mut sum = 0.0;
-    for judged in wandering {
+    let processes = wandering.iter().map(|judged| {
         let (scene, wanderer) = (base.scene(), judged.wanderer());
         let columns = whitened_columns(base, plain, &judged.disturbance);
         let forms = wanderer.forms(scene, base.stops(wanderer.with)).len();
-        let tried = forms * wanderer.of_kind(scene);
-        let (evidence, next) = beside_one_of(&projection, &columns, tried);
-        sum += evidence;
-        projection = next;
-    }
-    (sum, projection)
+        (columns, forms * wanderer.of_kind(scene))
+    });
+    beside_all(D::projection(plain), processes)
 }
 
 /// The noise with the least variance.

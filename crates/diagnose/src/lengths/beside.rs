@@ -48,16 +48,16 @@ impl Wanders for Base<'_> {
                 all.push((Who::Axis(axis), With::TimeAndPosition));
             }
         }
-        let wanderer = |(who, with)| Wanderer { who, with };
-        all.into_iter().map(wanderer).collect()
+        let wanderers = all.into_iter();
+        wanderers
+            .map(|(who, with)| Wanderer::new(who, with))
+            .collect()
     }
 
     fn twin(&self, wanderer: Wanderer) -> Option<Wanderer> {
         let has_bed = self.scene.has_bed_targets();
-        (wanderer.who == Who::Machine && !has_bed).then_some(Wanderer {
-            who: Who::Tripods,
-            ..wanderer
-        })
+        (wanderer.who == Who::Machine && !has_bed)
+            .then_some(Wanderer::new(Who::Tripods, wanderer.with))
     }
 
     fn here(&self) -> Vec<Here> {

@@ -64,10 +64,7 @@ pub(crate) fn add_what_moves_instead(
         }
         // The point where the machine is held is no finding, so it costs nothing.
         let grown = may_grow.then(|| fit(&grown(base, &without, &hypothesis, shape)).gained());
-        let machine = Wanderer {
-            who: Who::Machine,
-            with: With::Campaign,
-        };
+        let machine = Wanderer::new(Who::Machine, With::Campaign);
         let grown = grown.filter(|gained| own - gained < DECISIVE);
         found
             .wandering

@@ -6,7 +6,7 @@ use trueaxis_poses::{LengthsAdjustment, uneven_in_words};
 
 use crate::Error;
 use crate::engine::{
-    Competed, Findings, Misfits, Search, Suspect, Wanders, add_rival_disturbances, rms, wandered_mm,
+    Competed, Findings, Search, Suspect, Wanders, add_rival_disturbances, rms, wandered_mm,
 };
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
@@ -57,13 +57,6 @@ pub(crate) fn diagnose_lengths(
     let noise = current.network.noise;
     let sharp = base.beside(Vec::new()).adjust(Vec::new(), Some(noise))?;
     let noise_um = mean_noise_um(base, current);
-    let misfits = Misfits {
-        residuals: [&sharp.projection, &rest.projection].map(|p| &*p.residuals),
-        degrees_of_freedom: [&sharp, current].map(|m| m.projection.degrees_of_freedom),
-        readings: base.readings.len(),
-        rows: 1,
-        noise_um,
-    };
     let findings = Findings {
         level: Level::Lengths,
         data: format!("{} lengths", base.readings.len()),
@@ -79,7 +72,8 @@ pub(crate) fn diagnose_lengths(
         },
         tests: [before, named.after],
         unexplained: named.unexplained,
-        places: places(base, &misfits),
+        left: &rest.projection,
+        places: &|misfits| places(base, misfits),
     };
     let entry = findings.entry(|suspect| {
         let rms_um = rms_of_effect_um(base, current, suspect);

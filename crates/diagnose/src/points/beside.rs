@@ -38,17 +38,17 @@ impl Wanders for Base<'_> {
                 all.push((Who::Axis(axis), With::TimeAndPosition));
             }
         }
-        let wanderer = |(who, with)| Wanderer { who, with };
-        all.into_iter().map(wanderer).collect()
+        let wanderers = all.into_iter();
+        wanderers
+            .map(|(who, with)| Wanderer::new(who, with))
+            .collect()
     }
 
     /// A displacement of the frame without rotation is an opposite displacement of the machine.
     fn twin(&self, wanderer: Wanderer) -> Option<Wanderer> {
         let has_bed = self.readings.all.iter().any(|r| r.pose.is_none());
-        (wanderer.who == Who::Machine && !has_bed).then_some(Wanderer {
-            who: Who::Frame,
-            ..wanderer
-        })
+        (wanderer.who == Who::Machine && !has_bed)
+            .then_some(Wanderer::new(Who::Frame, wanderer.with))
     }
 
     fn here(&self) -> Vec<Here> {

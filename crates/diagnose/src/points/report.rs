@@ -6,8 +6,8 @@ use trueaxis_effects::{Level, ResolvedEffect, Scene};
 
 use crate::Error;
 use crate::engine::{
-    Findings, Misfits, Omnibus, Suspect, Wanders, add_rival_disturbances, is_tested, of_catalogue,
-    rms, unexplained, wandered_mm,
+    Findings, Omnibus, Suspect, Wanders, add_rival_disturbances, is_tested, of_catalogue, rms,
+    unexplained, wandered_mm,
 };
 use crate::points::base::Base;
 use crate::points::believed::{Believed, suspects};
@@ -99,13 +99,6 @@ fn said(
     let after_um = noise_um * rms(&model.projection);
     let left = || unexplained(Level::Points, &model.projection, &after, after_um);
     let unexplained = doubted.or_else(|| is_left.then(left));
-    let misfits = Misfits {
-        residuals: [&sharp, model].map(|m| &*m.projection.residuals),
-        degrees_of_freedom: [&sharp, model].map(|m| m.projection.degrees_of_freedom),
-        readings: base.readings.all.len(),
-        rows: 3,
-        noise_um,
-    };
     let findings = Findings {
         level: Level::Points,
         data: format!("{} points", base.readings.all.len()),
@@ -117,7 +110,8 @@ fn said(
         stations_out: None,
         tests: [before, after],
         unexplained,
-        places: places(base, &misfits),
+        left: &model.projection,
+        places: &|misfits| places(base, misfits),
     };
     let entry = findings.entry(|suspect| {
         let effect_um = rms_of_effect_um(base, suspect);

@@ -4,7 +4,7 @@ use trueaxis_effects::CROSS_COUPLING;
 use trueaxis_selection::DECISIVE;
 
 use crate::engine::linear::Chosen;
-use crate::engine::{JudgedDisturbance, beside_one_of};
+use crate::engine::{JudgedDisturbance, beside_all};
 use crate::verification::omnibus::omnibus;
 use crate::verification::problem::Problem;
 
@@ -55,16 +55,14 @@ pub(crate) fn is_left(model: &Model<'_>) -> bool {
 
 /// Twice the logarithm of the marginal likelihood ratio against the model without anything, less the cost of names.
 pub(crate) fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
-    let mut sum = 0.0;
-    let mut wandering = None;
-    for own in &model.wandering {
-        let before = wandering.as_ref().unwrap_or(&plain.listed.base);
-        let (evidence, next) = beside_one_of(before, &own.columns(plain), own.tried(plain));
-        sum += evidence;
-        wandering = Some(next);
-    }
-    let beside = wandering.map(|base| plain.listed.on(base));
-    let listed = beside.as_ref().unwrap_or(&plain.listed);
+    let processes = model.wandering.iter();
+    let processes = processes.map(|own| (own.columns(plain), own.tried(plain)));
+    let (mut sum, base) = beside_all(&plain.listed.base, processes);
+    let listed = match model.wandering.is_empty() {
+        // With the comparisons that were made.
+        true => plain.listed.clone(),
+        false => plain.listed.on(base),
+    };
     let mut names = 2 * model.wandering.len();
     for (k, cause) in model.causes.iter().enumerate() {
         let own = listed.beside(&model.causes[..k]).score_of(cause);

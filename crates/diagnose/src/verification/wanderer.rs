@@ -9,7 +9,7 @@
 
 use std::f64::consts::TAU;
 
-use trueaxis_leastsquares::median;
+use trueaxis_leastsquares::{half_waves, matern_roots, median};
 use trueaxis_selection::Hypothesis;
 
 use crate::engine::correlation_lengths;
@@ -19,7 +19,6 @@ use crate::extremes::extremes;
 use crate::verification::arrivals::{Arrival, groups_in_order};
 use crate::verification::base::{count, cycles, places};
 use crate::verification::comparison::Comparison;
-use crate::verification::functions::Functions;
 use crate::verification::hypotheses::comes_from_both_sides;
 
 /// Most half waves of each coordinate: five times those of the shortest correlation length. What is cut off would be
@@ -56,31 +55,19 @@ pub(crate) struct Course<'c, 'a> {
 }
 
 /// The zero of the instrument, and the machine.
-pub(crate) const INSTRUMENT: Wanderer = Wanderer {
-    who: Who::Instrument,
-    with: Campaign,
-};
-pub(crate) const MACHINE: Wanderer = Wanderer {
-    who: Who::Machine,
-    with: Campaign,
-};
+pub(crate) const INSTRUMENT: Wanderer = Wanderer::new(Who::Instrument, Campaign);
+pub(crate) const MACHINE: Wanderer = Wanderer::new(Who::Machine, Campaign);
 
 /// All that a comparison may show beside its base model.
 pub(crate) fn wanderers(comparison: &Comparison<'_>, calibrated: bool) -> Vec<Wanderer> {
     let Some(axis) = comparison.line() else {
         // A ball bar shows more than one axis.
-        let position = Wanderer {
-            with: Position,
-            ..MACHINE
-        };
+        let position = Wanderer::new(Who::Machine, Position);
         return vec![position, INSTRUMENT, MACHINE];
     };
     let is_rotary = comparison.is_of_rotary_axis();
     let moves = comparison.moving.contains(&axis);
-    let own = |with| Wanderer {
-        who: Who::Axis(axis),
-        with,
-    };
+    let own = |with| Wanderer::new(Who::Axis(axis), with);
     let mut all = vec![INSTRUMENT];
     // A turn has 360 degrees at any temperature.
     all.extend((moves && !is_rotary).then_some(own(Campaign)));
@@ -284,6 +271,54 @@ impl Course<'_, '_> {
         let kind = self.comparison.machine.axes()[self.comparison.axis()].kind();
         let ends = self.comparison.range.map(|end| kind.position_in_file(end));
         (ends, kind.position_unit())
+    }
+}
+
+/// Standard deviation of the change between two passes without a clock, in standard deviations of the smooth course.
+const BETWEEN_PASSES: f64 = 0.5;
+
+/// The functions that make up the course of each coordinate.
+struct Functions {
+    form: Form,
+    waves: u32,
+    /// Number of passes, and of cycles of more than one pass, that may have offsets.
+    parts: [usize; 2],
+}
+
+impl Functions {
+    /// Factors of the coefficients at an argument: `cos(πx), cos(2πx), ...`, or sine and cosine of a swing less their
+    /// means, and where pauses are unknown one for the pass and one for the cycle.
+    fn at(&self, x: f64, part: [usize; 2]) -> Vec<f64> {
+        let mut all: Vec<f64> = match self.form.period {
+            None => half_waves(x, self.waves).collect(),
+            Some(period) => {
+                let turn = TAU / period;
+                let (sine, cosine) = (turn * x).sin_cos();
+                vec![sine - (1.0 - turn.cos()) / turn, cosine - turn.sin() / turn]
+            }
+        };
+        for (count, own) in self.parts.into_iter().zip(part) {
+            all.extend((0..count).map(|k| f64::from(u8::from(k == own))));
+        }
+        all
+    }
+
+    /// Standard deviations of the coefficients; `S_k^½` for the waves.
+    fn roots(&self) -> Vec<f64> {
+        let mut roots = match self.form.period {
+            None => matern_roots(self.form.length, self.waves)[1..].to_vec(),
+            Some(_) => vec![1.0; 2],
+        };
+        let of_parts = [Pauses::BetweenPasses, Pauses::BetweenCycles];
+        for (count, own) in self.parts.into_iter().zip(of_parts) {
+            let root = if own == self.form.pauses {
+                BETWEEN_PASSES
+            } else {
+                0.0
+            };
+            roots.extend(std::iter::repeat_n(root, count));
+        }
+        roots
     }
 }
 

@@ -46,7 +46,11 @@ impl<'a> Wandering for Beside<'_, 'a> {
         &self.all
     }
 
-    fn fit(&self, own: &[JudgedDisturbance]) -> Result<Problem<'a>, Error> {
+    fn fit(
+        &self,
+        own: &[JudgedDisturbance],
+        _: Option<&Problem<'a>>,
+    ) -> Result<Problem<'a>, Error> {
         Ok(self.plain.beside(own))
     }
 
@@ -99,10 +103,7 @@ impl<'a> Wandering for Beside<'_, 'a> {
     }
 
     fn hidden(&self, problem: &Problem<'a>, own: &JudgedDisturbance) -> Option<Wanderer> {
-        let lost_motion = Wanderer {
-            who: Who::Axis(problem.comparison.axis()),
-            with: With::Sides,
-        };
+        let lost_motion = Wanderer::new(Who::Axis(problem.comparison.axis()), With::Sides);
         hides_lost_motion(problem, self.causes, own).then_some(lost_motion)
     }
 }
@@ -157,10 +158,7 @@ fn inseparable(problem: &Problem<'_>, hypothesis: &Hypothesis) -> Option<Wandere
     let comparison = problem.comparison;
     let is_bow = hypothesis.effect == CROSS_COUPLING && !problem.calibrated;
     if is_bow && comparison.line().is_none() {
-        return Some(Wanderer {
-            with: With::Position,
-            ..MACHINE
-        });
+        return Some(Wanderer::new(Who::Machine, With::Position));
     }
     let of_instrument = hypothesis.is_of_time() && hypothesis.effect.layer == Layer::Instrument;
     if of_instrument && comparison.is_of_rotary_axis() {
@@ -239,10 +237,11 @@ const KINDS: usize = 2;
 impl JudgedDisturbance {
     /// Effect of an a priori standard deviation of each coefficient on the whitened readings.
     pub(crate) fn columns(&self, problem: &Problem<'_>) -> Vec<Vec<f64>> {
-        let columns = problem.course(self).columns(self.disturbance.form);
-        let scaled = columns.into_iter().zip(self.roots(problem));
+        let Disturbance { form, width, .. } = self.disturbance;
+        let course = problem.course(self);
+        let scaled = course.columns(form).into_iter().zip(course.roots(form));
         let scaled = scaled.map(|(column, root)| {
-            let column = column.iter().map(|x| x * root);
+            let column = column.iter().map(|x| x * width * root);
             problem.whiten(&column.collect::<Vec<f64>>())
         });
         scaled.collect()
@@ -258,9 +257,9 @@ impl JudgedDisturbance {
     /// Number of forms tried that are equally likely a priori.
     pub(crate) fn tried(&self, problem: &Problem<'_>) -> usize {
         let course = problem.course(self);
-        let of_kind = match self.disturbance.form.swings {
-            false => course.smooth().len(),
-            true => course.periods().len(),
+        let of_kind = match self.disturbance.form.period {
+            None => course.smooth().len(),
+            Some(_) => course.periods().len(),
         };
         of_kind * KINDS
     }
