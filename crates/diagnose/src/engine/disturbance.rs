@@ -339,6 +339,30 @@ impl Wanderer {
     }
 }
 
+/// The targets and axes that may wander; `comes_from` says whether an axis, while it ran, came from a side.
+pub(crate) fn targets_and_axes(
+    scene: &Scene,
+    comes_from: impl Fn(usize, f64) -> bool,
+) -> Vec<(Who, With)> {
+    let targets = (0..scene.targets.len()).map(Who::Target);
+    let mut all: Vec<(Who, With)> = targets
+        .flat_map(|target| [(target, With::Campaign), (target, With::Position)])
+        .collect();
+    for (axis, own) in scene.machine.axes().iter().enumerate() {
+        let sides = [1.0, -1.0].map(|side| comes_from(axis, side));
+        if sides == [true; 2] {
+            all.push((Who::Axis(axis), With::Sides));
+            all.push((Who::Axis(axis), With::SidesInTime));
+        }
+        if sides.contains(&true) {
+            let is_linear = own.kind() == AxisKind::Linear;
+            all.extend(is_linear.then_some((Who::Axis(axis), With::Campaign)));
+            all.push((Who::Axis(axis), With::TimeAndPosition));
+        }
+    }
+    all
+}
+
 /// A size is settled if it changes by less than this share of itself: the rest of the data hardly depends on it.
 const RESTS: f64 = 0.1;
 

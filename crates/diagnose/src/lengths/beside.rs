@@ -1,9 +1,7 @@
 //! The lengths with disturbances in their covariance.
 
 use rayon::prelude::*;
-use trueaxis_campaign::Direction;
 use trueaxis_effects::{Displaced, Subject};
-use trueaxis_kinematics::{Axis, AxisKind};
 use trueaxis_multilateration::{Noise, Solution, Whitened, solve_from};
 use trueaxis_poses::{LengthCircumstances as Reading, Observation};
 use trueaxis_selection::Projection;
@@ -11,7 +9,7 @@ use trueaxis_selection::Projection;
 use crate::Error;
 use crate::engine::Wanders;
 use crate::engine::coordinate::{self, Coordinate};
-use crate::engine::disturbance::{Disturbance, Here, Wanderer, Who, With};
+use crate::engine::disturbance::{Disturbance, Here, Wanderer, Who, With, targets_and_axes};
 use crate::lengths::adjusted::{Adjusted, is_projected};
 use crate::lengths::base::Base;
 use crate::lengths::omnibus::travelled;
@@ -30,24 +28,10 @@ impl Wanders for Base<'_> {
             all.push((Who::Station(station), With::Occupation));
             all.push((Who::Station(station), With::Position));
         }
-        for target in 0..scene.targets.len() {
-            all.push((Who::Target(target), With::Campaign));
-            all.push((Who::Target(target), With::Position));
-        }
-        let runs = |axis: usize, is_meant: &dyn Fn(&Reading) -> bool| {
-            let mut own = self.readings.iter().filter(|r| r.axis == axis);
-            own.any(is_meant)
-        };
-        for (axis, kind) in scene.machine.axes().iter().map(Axis::kind).enumerate() {
-            if runs(axis, &|r| r.direction == Direction::Backward) {
-                all.push((Who::Axis(axis), With::Sides));
-                all.push((Who::Axis(axis), With::SidesInTime));
-            }
-            if runs(axis, &|_| true) {
-                all.extend((kind == AxisKind::Linear).then_some((Who::Axis(axis), With::Campaign)));
-                all.push((Who::Axis(axis), With::TimeAndPosition));
-            }
-        }
+        all.extend(targets_and_axes(scene, |axis, side| {
+            let mut readings = self.readings.iter();
+            readings.any(|r| r.axis == axis && r.sign() * side > 0.0)
+        }));
         let wanderers = all.into_iter();
         wanderers
             .map(|(who, with)| Wanderer::new(who, with))

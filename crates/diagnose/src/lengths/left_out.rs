@@ -1,7 +1,7 @@
 //! Lengths left out as gross errors, and whether the causes explain them after all.
 //!
 //! The few lengths between a slip and the end of an occupation look like accidents until the slip is known. Nor is
-//! its instant known without them; so the causes settle again with them. And several consecutive ones to one target,
+//! its instant known without them; so the causes are sought again with them. And several consecutive ones to one target,
 //! or from one station, are no accidents.
 
 use std::collections::BTreeMap;

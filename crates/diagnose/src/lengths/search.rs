@@ -7,8 +7,7 @@ use trueaxis_screening::Removed;
 use trueaxis_selection::{Hypothesis, Null};
 
 use crate::engine::{
-    Candidates, Found, Omnibus, Search, compete, find_causes, is_tested, of_catalogue, scans,
-    settle, untested,
+    Candidates, Omnibus, Search, compete, find_causes, is_tested, of_catalogue, scans, untested,
 };
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
@@ -44,7 +43,7 @@ pub(crate) fn looked_at<'a>(
     let gross = still_left_out(&all, &base, lengths, &searched.search.adjusted);
     if are_other(&base, &gross) {
         base = leaving_out(&base, &gross)?;
-        searched = searched.again(&base)?;
+        searched = Searched::of(&base)?;
     }
     let before: Vec<Hypothesis> = hypotheses(&searched.search.adjusted);
     let mut looked = searched.look(&base)?;
@@ -127,36 +126,6 @@ impl Searched {
             all,
             null,
             search,
-        })
-    }
-
-    /// The same with the few more readings that the causes explain: the causes settle only among their rivals.
-    fn again(self, base: &Base<'_>) -> Result<Self, Error> {
-        let plain = base.adjust(Vec::new(), None)?;
-        let Search {
-            found,
-            adjusted,
-            left,
-        } = self.search;
-        let is_comparable = |hypothesis: &&Hypothesis| {
-            let of_found = |found: &Found| {
-                let rivals = found.rivals.iter().map(|rival| &rival.0);
-                let mut comparable = rivals.chain([&found.suspect]);
-                comparable.any(|suspect| suspect.hypothesis.is(hypothesis))
-            };
-            found.iter().any(of_found)
-        };
-        let comparable: Vec<Hypothesis> = self.all.iter().filter(is_comparable).copied().collect();
-        let (found, adjusted) = settle(base, adjusted.suspects, &comparable, &self.null)?;
-        Ok(Self {
-            before: omnibus(base, &plain),
-            plain,
-            search: Search {
-                found,
-                adjusted,
-                left,
-            },
-            ..self
         })
     }
 

@@ -1,12 +1,11 @@
 //! The points with disturbances in their covariance.
 
 use trueaxis_effects::{Displaced, Subject};
-use trueaxis_kinematics::AxisKind;
 use trueaxis_selection::Projection;
 
 use crate::engine::Wanders;
 use crate::engine::coordinate::{self, Coordinate};
-use crate::engine::disturbance::{Disturbance, Here, Wanderer, Who, With};
+use crate::engine::disturbance::{Disturbance, Here, Wanderer, Who, With, targets_and_axes};
 use crate::points::base::Base;
 use crate::points::model::Model;
 use crate::points::noise::Noise;
@@ -18,26 +17,10 @@ impl Wanders for Base<'_> {
 
     fn wanderers(&self) -> Vec<Wanderer> {
         let mut all = vec![(Who::Machine, With::Campaign), (Who::Frame, With::Campaign)];
-        for target in 0..self.scene.targets.len() {
-            all.push((Who::Target(target), With::Campaign));
-            all.push((Who::Target(target), With::Position));
-        }
-        let come_from = |axis: usize, side: f64| {
+        all.extend(targets_and_axes(self.scene, |axis, side| {
             let mut readings = self.readings.all.iter();
             readings.any(|r| r.axis == Some(axis) && r.side * side > 0.0)
-        };
-        for (axis, own) in self.scene.machine.axes().iter().enumerate() {
-            let sides = [1.0, -1.0].map(|side| come_from(axis, side));
-            if sides == [true; 2] {
-                all.push((Who::Axis(axis), With::Sides));
-                all.push((Who::Axis(axis), With::SidesInTime));
-            }
-            if sides.contains(&true) {
-                let is_linear = own.kind() == AxisKind::Linear;
-                all.extend(is_linear.then_some((Who::Axis(axis), With::Campaign)));
-                all.push((Who::Axis(axis), With::TimeAndPosition));
-            }
-        }
+        }));
         let wanderers = all.into_iter();
         wanderers
             .map(|(who, with)| Wanderer::new(who, with))
