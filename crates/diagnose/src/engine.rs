@@ -33,7 +33,6 @@
 //! | | lengths, points ([`wanders`]) | readings |
 //! | --- | --- | --- |
 //! | most disturbances | 3 | 2: a table has one coordinate, and few passes |
-//! | first | the one with the most evidence, or one that all data share, whichever explains more | the one with the most evidence: each concerns all readings |
 //! | swings, offsets in pauses | no: an occupation has few swings, and lengths have a clock | yes |
 //! | subjects that share the prior | stations, targets, axes | none |
 //! | impossible sizes | more than 5 mm | an axis that grows by more than axes do |

@@ -15,8 +15,10 @@ use trueaxis_selection::{DECISIVE, Hypothesis, Null, rank};
 
 use crate::Error;
 use crate::engine::disturbance::{Wanderer, Who, With};
-use crate::engine::wandering::{JudgedDisturbance, instead_of_cause, one_by_one};
-use crate::engine::wanders::{Beside, disturbances, least, of_wandering, wandering};
+use crate::engine::wandering::{
+    JudgedDisturbance, instead_of_cause, one_by_one, sought, sought_from,
+};
+use crate::engine::wanders::{Beside, disturbances, least, of_wandering};
 use crate::engine::{
     Culprit, Culprits, Found, SHAPE_ERROR, Search, Suspect, Wanders, find_causes, scan, scans,
     settle,
@@ -65,12 +67,12 @@ pub(crate) fn compete<D: Wanders>(
         || one_by_one(&nothing),
         || match suspects.is_empty() {
             true => Ok(Vec::new()),
-            false => wandering(base, &suspects),
+            false => sought(&Beside::new(base, &suspects)),
         },
     );
     let (one_by_one, beside) = (one_by_one?, beside?);
     let is_complete = !suspects.is_empty() && beside.is_empty() && search.left <= 0.0;
-    if is_complete && beat_each(&search, (base, &nothing), &one_by_one.1)? {
+    if is_complete && beats(base, &search, one_by_one.1.first())? {
         return Ok(of_causes(search));
     }
     let alternated = |first| described(base, alternated(base, first, candidates)?, candidates);
@@ -80,7 +82,7 @@ pub(crate) fn compete<D: Wanders>(
             false => alternated(beside),
         },
         || {
-            let alone = nothing.disturbances(&one_by_one)?;
+            let alone = sought_from(&nothing, &one_by_one)?;
             let is_first = !is_complete && !alone.is_empty();
             let ahead = is_first.then(|| alternated(alone.clone())).transpose()?;
             Ok::<_, Error>((alone, ahead))
@@ -103,18 +105,17 @@ pub(crate) fn compete<D: Wanders>(
     Ok(model)
 }
 
-/// Whether causes that explain everything have more evidence than each disturbance that may come first. That several
-/// together look like a form in the catalogue down to the noise would be a coincidence and is not tried.
-fn beat_each<D: Wanders>(
+/// Whether causes that explain everything have more evidence than the first disturbance. That several together look like
+/// a form in the catalogue down to the noise would be a coincidence and is not tried.
+fn beats<D: Wanders>(
+    base: &D,
     search: &Search<D::Model>,
-    (base, nothing): (&D, &Beside<'_, D>),
-    one_by_one: &[JudgedDisturbance],
+    first: Option<&JudgedDisturbance>,
 ) -> Result<bool, Error> {
     let plain = base.adjust(Vec::new(), Some(D::noise(&search.adjusted)))?;
     let of_causes = charged(base, &plain, &search.found, &[]);
-    let may_be_first = |(k, own): &(usize, &JudgedDisturbance)| *k == 0 || nothing.is_tried(own);
-    let mut first = one_by_one.iter().enumerate().filter(may_be_first);
-    Ok(first.all(|(_, own)| charged(base, &plain, &[], std::slice::from_ref(own)) <= of_causes))
+    let first = first.map(|first| charged(base, &plain, &[], std::slice::from_ref(first)));
+    Ok(first.is_none_or(|of_first| of_first <= of_causes))
 }
 
 /// Adds to causes the disturbances that may have been there instead: those with more evidence.
@@ -174,7 +175,7 @@ pub(crate) fn settled<D: Wanders>(
     suspects: Vec<Suspect>,
     candidates: &Candidates<'_>,
 ) -> Result<Competed<D>, Error> {
-    let wandering = wandering(base, &suspects)?;
+    let wandering = sought(&Beside::new(base, &suspects))?;
     if suspects.is_empty() {
         return without_causes(base, wandering);
     }
@@ -251,7 +252,7 @@ fn without_causes<D: Wanders>(
 
 /// The model with disturbances alone, found without causes.
 pub(crate) fn only_wandering<D: Wanders>(base: &D) -> Result<Competed<D>, Error> {
-    without_causes(base, wandering(base, &[])?)
+    without_causes(base, sought(&Beside::new(base, &[]))?)
 }
 
 /// Causes found beside disturbances, disturbances beside these causes, and both settled.

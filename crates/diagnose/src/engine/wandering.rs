@@ -62,9 +62,16 @@ pub(crate) trait Wandering: Sync {
 
 /// The disturbances that are found one after the other.
 pub(crate) fn sought<W: Wandering>(data: &W) -> Result<Vec<JudgedDisturbance>, Error> {
-    let (model, judged) = one_by_one(data)?;
-    match leader(data, &model, &judged) {
-        Some(first) => Ok(joined_by_others(data, first)?.0),
+    sought_from(data, &one_by_one(data)?)
+}
+
+/// The same from those that were judged [`one_by_one`].
+pub(crate) fn sought_from<W: Wandering>(
+    data: &W,
+    (model, judged): &(W::Model, Vec<JudgedDisturbance>),
+) -> Result<Vec<JudgedDisturbance>, Error> {
+    match leader(data, model, judged) {
+        Some(first) => joined_by_others(data, first),
         None => Ok(Vec::new()),
     }
 }
@@ -89,39 +96,31 @@ pub(crate) fn judge_all<W: Wandering>(
     by_evidence(judged.collect(), |one: &JudgedDisturbance| one.evidence)
 }
 
-/// The first of those judged in what a model leaves, with what explains as much; `None` if noise explains it.
-pub(crate) fn leader<W: Wandering>(
+/// The first of those judged in what a model leaves, with its twin, the others that explain as much, and what it hides
+/// as rivals; `None` if noise explains it.
+fn leader<W: Wandering>(
     data: &W,
     model: &W::Model,
     judged: &[JudgedDisturbance],
 ) -> Option<JudgedDisturbance> {
     let (first, others) = judged.split_first()?;
-    (first.p_value < SMOOTH_LEVEL).then(|| with_rivals(data, model, first, others))
-}
-
-/// A disturbance with its twin, the others that explain as much, and what it hides as rivals.
-pub(crate) fn with_rivals<W: Wandering>(
-    data: &W,
-    model: &W::Model,
-    own: &JudgedDisturbance,
-    others: &[JudgedDisturbance],
-) -> JudgedDisturbance {
-    let is_rival = |other: &&JudgedDisturbance| own.evidence - other.evidence < DECISIVE;
+    if first.p_value >= SMOOTH_LEVEL {
+        return None;
+    }
+    let is_rival = |other: &&JudgedDisturbance| first.evidence - other.evidence < DECISIVE;
     let rivals = others.iter().filter(is_rival);
     let rivals = rivals.flat_map(|other| names(data, other.wanderer()));
+    let own = names(data, first.wanderer());
     let mut named: Vec<Wanderer> = Vec::new();
-    for name in names(data, own.wanderer())
-        .chain(rivals)
-        .chain(data.hidden(model, own))
-    {
+    for name in own.chain(rivals).chain(data.hidden(model, first)) {
         if !named.contains(&name) {
             named.push(name);
         }
     }
-    JudgedDisturbance {
+    Some(JudgedDisturbance {
         rivals: named.split_off(1),
-        ..own.clone()
-    }
+        ..first.clone()
+    })
 }
 
 /// What explains more than a cause, of this evidence, in a model without it, with the evidence. A rival may have
@@ -143,12 +142,11 @@ fn names<W: Wandering>(data: &W, wanderer: Wanderer) -> impl Iterator<Item = Wan
     std::iter::once(wanderer).chain(data.twin(wanderer))
 }
 
-/// A disturbance and further ones beside it and the causes, each with its size beside the others; and a model with the
-/// noise that all of them leave.
-pub(crate) fn joined_by_others<W: Wandering>(
+/// A disturbance and further ones beside it and the causes, each with its size beside the others.
+fn joined_by_others<W: Wandering>(
     data: &W,
     first: JudgedDisturbance,
-) -> Result<(Vec<JudgedDisturbance>, W::Model), Error> {
+) -> Result<Vec<JudgedDisturbance>, Error> {
     let mut own = vec![first];
     // Otherwise one that is not significant beside the others would come back for ever.
     let mut dropped: Vec<Wanderer> = Vec::new();
@@ -172,7 +170,7 @@ pub(crate) fn joined_by_others<W: Wandering>(
         let (kept, gone): (Vec<_>, Vec<_>) = own.into_iter().partition(is_left);
         own = kept;
         if own.len() == W::MOST {
-            return Ok((own, model));
+            return Ok(own);
         }
         moved |= !gone.is_empty();
         dropped.extend(gone.iter().map(JudgedDisturbance::wanderer));
@@ -184,7 +182,7 @@ pub(crate) fn joined_by_others<W: Wandering>(
         let judged = judge_all(data, &model, &others.collect::<Vec<_>>());
         match leader(data, &model, &judged) {
             Some(next) => own.push(next),
-            None => return Ok((own, model)),
+            None => return Ok(own),
         }
     }
 }

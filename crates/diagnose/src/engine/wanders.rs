@@ -3,15 +3,13 @@
 use rayon::prelude::*;
 use trueaxis_effects::{Displaced, Subject};
 use trueaxis_leastsquares::dot;
-use trueaxis_selection::{DECISIVE, Projection};
+use trueaxis_selection::Projection;
 
 use crate::Error;
 use crate::engine::coordinate::Coordinate;
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, With};
 use crate::engine::smooth::{SMOOTH_LEVEL, Smooth, beside_all};
-use crate::engine::wandering::{
-    JudgedDisturbance, Wandering, joined_by_others, leader, one_by_one, with_rivals,
-};
+use crate::engine::wandering::{JudgedDisturbance, Wandering};
 use crate::engine::{Measured, Suspect};
 
 /// Data that may have disturbances.
@@ -77,63 +75,6 @@ impl<'b, D: Wanders> Beside<'b, D> {
             all: base.wanderers(),
         }
     }
-
-    /// The disturbances from those judged one by one, the one with the most evidence first. Instead of several
-    /// separate ones there may be one that all data share: then this is also tried first, and the better explanation
-    /// is taken.
-    pub(crate) fn disturbances(
-        &self,
-        (model, judged): &(D::Model, Vec<JudgedDisturbance>),
-    ) -> Result<Vec<JudgedDisturbance>, Error> {
-        let Some(leader) = leader(self, model, judged) else {
-            return Ok(Vec::new());
-        };
-        let first = joined_by_others(self, leader)?;
-        let is_common = |judged: &JudgedDisturbance| self.is_common(judged);
-        let who = |judged: &JudgedDisturbance| judged.wanderer().who;
-        let are_several = first.0.iter().any(|one| who(one) != who(&first.0[0]));
-        if !are_several || first.0.iter().any(is_common) {
-            return Ok(first.0);
-        }
-        let mut ways = vec![first];
-        for common in judged.iter().filter(|judged| self.is_tried(judged)) {
-            let common = with_rivals(self, model, common, &[]);
-            let way = joined_by_others(self, common)?;
-            // If the others made it superfluous, the result is that of the first attempt.
-            if way.0.iter().any(is_common) {
-                ways.push(way);
-            }
-        }
-        let noises = ways.iter().map(|(_, model)| D::noise(model));
-        let plain = self
-            .base
-            .adjust(self.suspects.to_vec(), least::<D>(noises))?;
-        let scored = ways.into_iter().map(|(judged, _)| {
-            let price = 2.0 * DECISIVE * judged.len() as f64;
-            (of_wandering(self.base, &plain, &judged).0 - price, judged)
-        });
-        let best = scored.max_by(|a, b| a.0.total_cmp(&b.0));
-        Ok(best.map(|best| best.1).unwrap_or_default())
-    }
-
-    /// Whether it concerns all data.
-    fn is_common(&self, judged: &JudgedDisturbance) -> bool {
-        judged.wanderer().of_kind(self.base.scene()) == 1
-    }
-
-    /// Whether it may come first although another one has more evidence.
-    pub(crate) fn is_tried(&self, judged: &JudgedDisturbance) -> bool {
-        self.is_common(judged) && judged.p_value < SMOOTH_LEVEL
-    }
-}
-
-/// The disturbances beside causes.
-pub(crate) fn wandering<D: Wanders>(
-    base: &D,
-    suspects: &[Suspect],
-) -> Result<Vec<JudgedDisturbance>, Error> {
-    let beside = Beside::new(base, suspects);
-    beside.disturbances(&one_by_one(&beside)?)
 }
 
 impl<D: Wanders> Wandering for Beside<'_, D> {
