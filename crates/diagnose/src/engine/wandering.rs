@@ -70,10 +70,53 @@ pub(crate) fn sought_from<W: Wandering>(
     data: &W,
     (model, judged): &(W::Model, Vec<JudgedDisturbance>),
 ) -> Result<Vec<JudgedDisturbance>, Error> {
-    match leader(data, model, judged) {
-        Some(first) => joined_by_others(data, first),
-        None => Ok(Vec::new()),
+    let mut own: Vec<JudgedDisturbance> = Vec::new();
+    // Otherwise one that is not significant beside the others would come back for ever.
+    let mut dropped: Vec<Wanderer> = Vec::new();
+    let mut next = leader(data, model, judged);
+    while let Some(joining) = next {
+        own.push(joining);
+        let (model, gone) = settle(data, &mut own)?;
+        dropped.extend(gone);
+        if own.len() == W::MOST {
+            break;
+        }
+        let is_new = |w: &Wanderer| !dropped.contains(w) && own.iter().all(|o| o.wanderer() != *w);
+        let others = data.wanderers().iter().copied().filter(is_new);
+        let judged = judge_all(data, &model, &others.collect::<Vec<_>>());
+        next = leader(data, &model, &judged);
     }
+    Ok(own)
+}
+
+/// Judges each disturbance beside the others; those that are not significant there leave. Returns the model with those
+/// that stay, and those that left.
+fn settle<W: Wandering>(
+    data: &W,
+    own: &mut Vec<JudgedDisturbance>,
+) -> Result<(W::Model, Vec<Wanderer>), Error> {
+    let model = data.fit(own, None)?;
+    let mut moved = false;
+    for k in 0..own.len() {
+        let mut others = own.clone();
+        let before = others.remove(k);
+        let without = data.fit(&others, Some(&model))?;
+        match data.judge(&without, before.wanderer()) {
+            Some(again) => {
+                moved |= again.disturbance.has_moved(&before.disturbance);
+                let rivals = before.rivals;
+                own[k] = JudgedDisturbance { rivals, ..again };
+            }
+            None => own[k].p_value = 1.0,
+        }
+    }
+    let is_gone = |judged: &mut JudgedDisturbance| judged.p_value >= SMOOTH_LEVEL;
+    let gone: Vec<_> = own.extract_if(.., is_gone).map(|o| o.wanderer()).collect();
+    let model = match moved || !gone.is_empty() {
+        true => data.fit(own, None)?,
+        false => model,
+    };
+    Ok((model, gone))
 }
 
 /// Each disturbance as if it were the only one, the one with the most evidence first.
@@ -140,49 +183,4 @@ pub(crate) fn instead_of_cause<W: Wandering>(
 /// A wanderer, and what has the same columns under another name.
 fn names<W: Wandering>(data: &W, wanderer: Wanderer) -> impl Iterator<Item = Wanderer> {
     std::iter::once(wanderer).chain(data.twin(wanderer))
-}
-
-/// A disturbance and further ones beside it and the causes, each with its size beside the others.
-fn joined_by_others<W: Wandering>(
-    data: &W,
-    first: JudgedDisturbance,
-) -> Result<Vec<JudgedDisturbance>, Error> {
-    let mut own = vec![first];
-    // Otherwise one that is not significant beside the others would come back for ever.
-    let mut dropped: Vec<Wanderer> = Vec::new();
-    loop {
-        let mut model = data.fit(&own, None)?;
-        let mut moved = false;
-        for k in 0..own.len() {
-            let mut others = own.clone();
-            let before = others.remove(k);
-            let without = data.fit(&others, Some(&model))?;
-            match data.judge(&without, before.wanderer()) {
-                Some(again) => {
-                    moved |= again.disturbance.has_moved(&before.disturbance);
-                    let rivals = before.rivals;
-                    own[k] = JudgedDisturbance { rivals, ..again };
-                }
-                None => own[k].p_value = 1.0,
-            }
-        }
-        let is_left = |judged: &JudgedDisturbance| judged.p_value < SMOOTH_LEVEL;
-        let (kept, gone): (Vec<_>, Vec<_>) = own.into_iter().partition(is_left);
-        own = kept;
-        if own.len() == W::MOST {
-            return Ok(own);
-        }
-        moved |= !gone.is_empty();
-        dropped.extend(gone.iter().map(JudgedDisturbance::wanderer));
-        if moved {
-            model = data.fit(&own, None)?;
-        }
-        let is_new = |w: &Wanderer| !dropped.contains(w) && own.iter().all(|o| o.wanderer() != *w);
-        let others = data.wanderers().iter().copied().filter(is_new);
-        let judged = judge_all(data, &model, &others.collect::<Vec<_>>());
-        match leader(data, &model, &judged) {
-            Some(next) => own.push(next),
-            None => return Ok(own),
-        }
-    }
 }
