@@ -181,14 +181,19 @@ fn is_plausible(problem: &Problem<'_>, model: &Projection, own: &JudgedDisturban
     let (Who::Axis(_), With::Campaign, Some([_, most_ppm])) = (who, with, range) else {
         return true;
     };
+    let [low, high] = comparison.range;
+    let most_um = most_ppm * (high - low) / MM_PER_UM_PPM;
+    // On a line so short that no growth shows, what would wander is the zero alone, by any amount.
+    if most_um < problem.whitening.sigma_um {
+        return false;
+    }
     let with = model.beside(&own.columns(problem)).0;
     let coefficients = coefficients(problem, own, &with);
     let curve = curve(problem, own, &coefficients, problem.rms_um(&with));
     // The second coordinate is one end against the other.
     let [least, most] = extremes(curve.iter().map(|point| point.value_um[1]));
     let u = curve.iter().map(|point| point.u_um[1]).fold(0.0, f64::max);
-    let [low, high] = comparison.range;
-    most - least < most_ppm * (high - low) / MM_PER_UM_PPM + 3.0 * u
+    most - least < most_um + 3.0 * u
 }
 
 /// Millimetres of which a part in a million is a micrometre.

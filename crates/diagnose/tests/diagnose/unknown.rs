@@ -126,6 +126,53 @@ fn what_fits_with_an_impossible_size_only_is_not_clean() {
     assert!(left.note.contains("axis expansion"), "{}", left.note);
 }
 
+/// One cycle over 0.3 mm, in which 100 µm are lost and taken up over 0.03 mm behind each turn. The scale was said to wander by 200 µm there,
+/// a million ppm, and left lost motion of -57 ± 19 µm: no axis grows by as much as its readings scatter on so short a line.
+#[test]
+fn no_scale_wanders_on_a_line_too_short_for_it() {
+    for seed in 0..4 {
+        let mut generator = generator(seed, 49);
+        let there = (0..31).map(|step| (true, step));
+        let back = (0..31).rev().map(|step| (false, step));
+        let place = |(row, (forward, step)): (usize, (bool, usize))| Place {
+            time_s: 0.35 * row as f64,
+            cycle: 1,
+            forward,
+            step,
+            x_mm: 0.01 * step as f64,
+            parked: 0,
+            y_mm: 0.0,
+            speed: 0.0,
+        };
+        let places: Vec<Place> = there.chain(back).enumerate().map(place).collect();
+        let value = |place: &Place| {
+            let (from_turn_mm, side) = match place.forward {
+                true => (place.x_mm, 1.0),
+                false => (0.3 - place.x_mm, -1.0),
+            };
+            let noise: f64 = StandardNormal.sample(&mut generator);
+            side * (100.0 * (-from_turn_mm / 0.03).exp() - 50.0) + noise
+        };
+        let values: Vec<f64> = places.iter().map(value).collect();
+        let found = found(table(&places, &values, true));
+        let of_axis =
+            |d: &Disturbance| d.whose.varies_with == ["time"] && d.whose.subject.axis.is_some();
+        assert!(
+            !found.disturbances.iter().any(of_axis),
+            "{}",
+            summary(&found)
+        );
+        for cause in found
+            .causes
+            .iter()
+            .filter(|c| c.effect.effect.is_lost_motion())
+        {
+            let lost = &cause.parameters[0];
+            assert!(lost.value > -2.0 * lost.u, "seed {seed}: {lost:?}");
+        }
+    }
+}
+
 /// The curve of what wanders is the one that was hidden, within its uncertainty: 33 points of each of four lines, of which
 /// some 5 % are outside two standard uncertainties; a fifth would be by chance with a probability below 1e-6 if they were independent,
 /// and a smooth course has some ten independent parts.
