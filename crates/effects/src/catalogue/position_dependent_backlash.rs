@@ -33,7 +33,7 @@ pub(super) const EFFECT: Effect = Effect {
     explanation: Explanation {
         cause: "the drive is worn where it is used most: play that is not the same along the axis",
         consequence: "the two sides of approach differ by a different amount at each position; one value in the backlash compensation is right at one position only",
-        action: "replace or re-preload the screw, or give the control a table of backlash over position",
+        action: "replace or re-preload the screw or worm, or give the control a table of backlash over position",
         separate_by: "measure the axis from both sides with a finer step where it is used most: play that follows wear is largest there",
     },
 };
