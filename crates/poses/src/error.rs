@@ -5,7 +5,8 @@
 pub enum Error {
     /// The campaign has neither lengths nor points.
     #[error(
-        "the campaign has neither lengths nor points to calibrate from: add `lengths` or `points`"
+        "the campaign has neither lengths nor points to calibrate from: add `lengths` or `points`; `trueaxis diagnose` judges \
+         readings alone"
     )]
     NothingMeasured,
     /// The lengths do not determine stations, points or poses.
