@@ -77,6 +77,7 @@ use crate::verification::comparison::Comparison;
 use crate::verification::copied::copied;
 use crate::verification::given_once::{given_once, keep_rows_given_once};
 use crate::verification::gross_errors::gross_errors;
+use crate::verification::hypotheses::comes_from_both_sides;
 use crate::verification::joined::join;
 use crate::verification::lost_motion::beyond_drives;
 use crate::verification::noise_floor::{noise_floor_um, repeats};
@@ -326,8 +327,7 @@ fn judged<'a>(
 
 /// Whether the axis of a line came from both sides, but hardly any position was read twice.
 fn is_read_elsewhere(comparison: &Comparison<'_>) -> bool {
-    let arrivals = &comparison.arrivals;
-    let from = |side: f64| arrivals.iter().any(|a| a.direction * side > 0.0);
-    let places = count(&places(comparison));
-    comparison.line().is_some() && from(1.0) && from(-1.0) && 10 * places > 9 * arrivals.len()
+    let axis = comparison.line();
+    axis.is_some_and(|axis| comes_from_both_sides(comparison, axis))
+        && 10 * count(&places(comparison)) > 9 * comparison.arrivals.len()
 }

@@ -63,7 +63,7 @@ pub use names::{check_name, check_names, index_of};
 pub use npy::{Array, NpyError, from_npy, to_npy};
 pub use npz::{NpzError, NpzWriter, WriteSeek, from_npz};
 pub use ordered::Ordered;
-pub use p_value::p_value;
+pub use p_value::{p_value, probability};
 pub use place::{Part, Place};
 pub use rounding::{decimals, point_mm, push_rounded, round, significant};
 pub use schema::nullable_text;

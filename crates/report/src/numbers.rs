@@ -64,25 +64,28 @@ pub(crate) fn rough(value: f64) -> String {
     }
 }
 
-/// A p-value as an equation, as it is typeset: `p = 0.042`, `p = 3·10⁻¹²`, `p < 10⁻³⁰⁰`.
+/// A p-value as an equation: `p = 0.042`, `p = 3·10⁻¹²`, `p < 10⁻³⁰⁰`.
 pub(crate) fn p_value(p: f64) -> String {
-    let text = trueaxis_files::p_value(p);
-    let Some((digits, exponent)) = text.split_once('e') else {
-        return text;
-    };
-    let raised = exponent.chars().map(|c| match c.to_digit(10) {
-        Some(digit) => SUPERSCRIPTS[digit as usize],
-        None => '⁻',
-    });
-    let digits = digits
-        .strip_suffix("< 1")
-        .map_or_else(|| format!("{digits}·10"), |p| format!("{p}< 10"));
-    digits + &raised.collect::<String>()
+    typeset(&trueaxis_files::p_value(p))
 }
 
 /// The same without its name: `0.042`, `3·10⁻¹²`, `below 10⁻³⁰⁰`.
 pub(crate) fn probability(p: f64) -> String {
-    p_value(p).replace("p < ", "below ").replace("p = ", "")
+    typeset(&trueaxis_files::probability(p))
+}
+
+/// With a power of ten for the exponent; a bound is a power alone.
+fn typeset(text: &str) -> String {
+    let Some((digits, exponent)) = text.split_once("e-") else {
+        return text.to_owned();
+    };
+    let raised = exponent.chars().filter_map(|c| c.to_digit(10));
+    let raised: String = raised.map(|digit| SUPERSCRIPTS[digit as usize]).collect();
+    match digits {
+        "p < 1" => format!("p < 10⁻{raised}"),
+        "below 1" => format!("below 10⁻{raised}"),
+        _ => format!("{digits}·10⁻{raised}"),
+    }
 }
 
 const SUPERSCRIPTS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];

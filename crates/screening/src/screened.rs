@@ -108,7 +108,8 @@ impl Screened {
         given: Noise,
         declared: bool,
     ) -> Result<Option<(Self, Vec<LessWeight>)>, Error> {
-        let Some(weighed) = weigh_uneven(&self.network, &self.solution, declared)? else {
+        let tests = self.tests();
+        let Some(weighed) = weigh_uneven(&self.network, (&self.solution, &tests), declared)? else {
             return Ok(None);
         };
         let network = Network {

@@ -15,7 +15,7 @@ mod parts;
 mod targets;
 
 use trueaxis_leastsquares::median;
-use trueaxis_multilateration::{Network, Solution, solve_from};
+use trueaxis_multilateration::{Network, Solution, Tests, solve_from};
 
 use crate::estimate_noise::estimate_noise;
 use crate::returns::Sweep;
@@ -74,8 +74,6 @@ impl Uneven {
 pub struct Weighed {
     /// The network with these factors.
     pub network: Network,
-    /// Its solution.
-    pub solution: Solution,
     /// Which lengths have a factor.
     pub uneven: Vec<LessWeight>,
 }
@@ -89,17 +87,17 @@ pub struct LessWeight {
     pub factor: f64,
 }
 
-/// Gives lengths that scatter more than the others less weight; `None` if there are none. `declared` says whether the
-/// network's noise is more than a guess.
+/// Gives lengths that scatter more than the others less weight, by the tests at a solution; `None` if there are none.
+/// `declared` says whether the network's noise is more than a guess.
 ///
 /// # Errors
 /// Those of [`solve_from`].
 pub fn weigh_uneven(
     network: &Network,
-    solution: &Solution,
+    (solution, tests): (&Solution, &Tests),
     declared: bool,
 ) -> Result<Option<Weighed>, trueaxis_multilateration::Error> {
-    let uneven = uneven_lengths(network, solution);
+    let uneven = uneven_lengths(network, tests);
     if uneven.is_empty() {
         return Ok(None);
     }
@@ -142,7 +140,6 @@ pub fn weigh_uneven(
         ..network.clone()
     };
     Ok(Some(Weighed {
-        solution: solve_from(&network, solution)?,
         network,
         uneven: own,
     }))
@@ -176,8 +173,7 @@ fn ratio_to_rest(
 
 /// Lengths that plainly scatter more than the others: to targets, or of stations and parts of the campaign. Each makes
 /// the other seem uneven: the noise of a target shows more from some stations than from others.
-fn uneven_lengths(network: &Network, solution: &Solution) -> Vec<Uneven> {
-    let tests = solution.tests(network);
+fn uneven_lengths(network: &Network, tests: &Tests) -> Vec<Uneven> {
     let w_of = |reading: usize| tests.readings[reading].w;
     let w = |visit: usize| -> Vec<f64> {
         let readings = network.visits[visit].readings.clone();

@@ -2,7 +2,9 @@
 
 use trueaxis_diagnose::{Cause, EstimatedParameter, LostMotionAt};
 use trueaxis_effects::{ResolvedEffect, Scene};
-use trueaxis_files::{decimals, told_behind, told_effect, told_places, told_span, told_unit};
+use trueaxis_files::{
+    decimals, probability, told_behind, told_effect, told_places, told_span, told_unit,
+};
 
 use crate::summary::COVERAGE;
 
@@ -167,8 +169,7 @@ pub(crate) fn certainty(p_value: f64) -> String {
     format!(
         "that something is wrong: {words}; the chance that noise alone looks as much like any known cause is {}",
         match p_value {
-            p if p < 1e-300 => "below 1e-300".to_owned(),
-            p if p < 1e-3 => format!("{p:.0e}"),
+            p if p < 1e-3 => probability(p),
             p => format!("{:.1} %", 100.0 * p),
         }
     )

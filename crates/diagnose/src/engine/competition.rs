@@ -16,7 +16,7 @@ use trueaxis_selection::{DECISIVE, Hypothesis, Null, rank};
 use crate::Error;
 use crate::engine::disturbance::{Wanderer, Who, With};
 use crate::engine::wandering::{
-    JudgedDisturbance, instead_of_cause, one_by_one, sought, sought_from,
+    JudgedDisturbance, Wandering, instead_of_cause, one_by_one, sought, sought_from,
 };
 use crate::engine::wanders::{Beside, disturbances, least, of_wandering};
 use crate::engine::{
@@ -128,7 +128,7 @@ pub(crate) fn add_rival_disturbances<D: Wanders>(competed: &mut Competed<D>) -> 
     let base = &*base;
     let beside = Beside::new(base, &[]);
     let is_new = |w: &Wanderer| wandering.iter().all(|own| own.wanderer() != *w);
-    let others: Vec<Wanderer> = base.wanderers().into_iter().filter(is_new).collect();
+    let others: Vec<Wanderer> = beside.wanderers().iter().copied().filter(is_new).collect();
     for (k, found) in search.found.iter_mut().enumerate() {
         let mut suspects = D::suspects(&search.adjusted).to_vec();
         suspects.remove(k);

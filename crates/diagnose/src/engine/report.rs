@@ -13,7 +13,7 @@ use crate::{Error, Gain, LevelReport, Misfit, Place, Shares, Unexplained};
 /// What was found in lengths or points.
 pub(crate) struct Findings<'f, D: Wanders> {
     pub(crate) level: Level,
-    /// The data in words.
+    /// What was measured, as `2340 lengths`.
     pub(crate) data: String,
     pub(crate) competed: &'f Competed<D>,
     /// The model with neither causes nor disturbances, in the final noise.

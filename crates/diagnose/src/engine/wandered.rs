@@ -10,7 +10,7 @@ use trueaxis_selection::{Projection, combined};
 use crate::engine::coordinate::{self, Coordinate, Shown};
 use crate::engine::disturbance::{Here, Wanderer, Who, With};
 use crate::engine::wandering::JudgedDisturbance;
-use crate::engine::wanders::{units_um, whitened_columns};
+use crate::engine::wanders::{units_um, whitened};
 use crate::engine::{Posterior, Wanders};
 use crate::extremes::extremes;
 use crate::{CorrelationLength, CurvePoint, Disturbance, Gain, Rival, Wandering};
@@ -205,7 +205,7 @@ impl<'h> Course<'h> {
         let own = &judged.disturbance;
         let scene = base.scene();
         let in_mm = own.scaled(scene, all, base.columns_mm(adjusted, own.wanderer));
-        let columns = whitened_columns(base, adjusted, own);
+        let columns = whitened(base, adjusted, in_mm.clone());
         let roots = own.wanderer.roots_of_spectrum(scene, all, own.form);
         let roots = roots.iter().map(|root| root * own.width).collect();
         let courses = own.wanderer.courses(all).len();

@@ -155,7 +155,11 @@ pub(crate) fn units_um<D: Wanders>(data: &D, model: &D::Model, wanderer: Wandere
 }
 
 /// Whitens columns.
-fn whitened<D: Wanders>(data: &D, model: &D::Model, mut columns: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+pub(crate) fn whitened<D: Wanders>(
+    data: &D,
+    model: &D::Model,
+    mut columns: Vec<Vec<f64>>,
+) -> Vec<Vec<f64>> {
     let each = columns.par_iter_mut();
     each.for_each(|column| data.whiten(model, column));
     columns

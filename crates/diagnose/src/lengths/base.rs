@@ -82,12 +82,10 @@ impl<'a> Base<'a> {
         let mut start = solve_as_a_set(&mut network, near)?;
         let declared = campaign.instrument.declares_noise();
         let mut uneven = Vec::new();
-        if let Some(weighed) = weigh_uneven(&network, &start, declared)? {
-            Weighed {
-                network,
-                solution: start,
-                uneven,
-            } = weighed;
+        let tests = start.tests(&network);
+        if let Some(weighed) = weigh_uneven(&network, (&start, &tests), declared)? {
+            start = solve_from(&weighed.network, &start)?;
+            Weighed { network, uneven } = weighed;
         }
         let readings = length_circumstances(campaign, lengths, &network, &groups, &kept);
         Ok(Self {

@@ -1,4 +1,4 @@
-//! Lengths that scatter more than the others, in words.
+//! The notice about lengths that scatter more than the others.
 
 use trueaxis_campaign::Campaign;
 use trueaxis_multilateration::Network;
