@@ -9,9 +9,9 @@
 //! `w` is standard normal if nothing is wrong (W. Baarda, A testing procedure for use in geodetic
 //! networks, 1968). `c` is one reading, or all readings of a visit.
 //!
-//! If the own variance of a reading is inflated by a large factor `f`, the reading has all but left the adjustment:
-//! `∇` is its distance from what the others predict, and `1/den - (f - 1) σ²` (`den`: denominator of `∇`) the
-//! variance of that distance without an error. So readings are tested alike, whether they take part or not.
+//! If the own variance `σ²` of a reading is inflated to `f σ²` with a large `f`, the reading has all but left the
+//! adjustment: `∇` is its distance from what the others predict, and `1/den - (f - 1) σ²` (`den`: denominator of `∇`)
+//! the variance of that distance without an error. So readings are tested alike, whether they take part or not.
 
 use trueaxis_leastsquares::lane_products::{LaneMatrix, add_product, subtract_product};
 use trueaxis_leastsquares::{Lanes, lanes_only, zeros};
@@ -57,11 +57,17 @@ pub struct Tests {
 impl Solution {
     /// Tests every reading and every visit; `network` must be the one that was solved.
     pub fn tests(&self, network: &Network) -> Tests {
-        test_all(&BatchInfluence::new(network, self))
+        self.tests_of_inflated(network, &[])
+    }
+
+    /// The same, where the factors on the variances of the network contain `inflation`, one for each reading (all are
+    /// one if empty), by which readings were let go: they are tested by the noise that they have without it.
+    pub fn tests_of_inflated(&self, network: &Network, inflation: &[f64]) -> Tests {
+        test_all(&BatchInfluence::new(network, self), inflation)
     }
 }
 
-fn test_all(influence: &BatchInfluence<'_>) -> Tests {
+fn test_all(influence: &BatchInfluence<'_>, inflation: &[f64]) -> Tests {
     let network = influence.model.network;
     let by_group = network.visits_by_group();
     let batches = influence.batches();
@@ -81,7 +87,7 @@ fn test_all(influence: &BatchInfluence<'_>) -> Tests {
                 work.fill(influence, &batches[b], rows);
                 slots.take(batches[b].groups.clone());
                 let taken = (&batches[b], rows.variances.as_slice(), &slots);
-                work.append(taken, &mut tests);
+                work.append(taken, inflation, &mut tests);
             }
             tests
         },
@@ -193,14 +199,15 @@ impl BatchTests {
     fn append(
         &self,
         (batch, variances, slots): (&Batch, &[Lanes], &Slots<'_>),
+        inflation: &[f64],
         tests: &mut OfGroups,
     ) {
         for (lane, group) in batch.groups.clone().enumerate() {
             for (number, own) in slots.visits((lane, group)) {
                 let of_slot = |&(slot, reading): &(usize, usize)| {
-                    let factor = slots.network.variance_factor(reading);
-                    let inflation = variances[slot].0[lane] * (1.0 - 1.0 / factor);
-                    (reading, self.readings[slot].reading(lane, inflation))
+                    let factor = inflation.get(reading).copied().unwrap_or(1.0);
+                    let inflated = variances[slot].0[lane] * (1.0 - 1.0 / factor);
+                    (reading, self.readings[slot].reading(lane, inflated))
                 };
                 tests.readings.extend(own.iter().map(of_slot));
                 let of_visit = |&(slot, _): &(usize, usize)| {

@@ -10,7 +10,9 @@
 //!    again comes back, one at a time, until nothing changes. The level is that of all tests together.
 //! 5. Lengths that nothing checks without those that were removed are removed, too.
 //! 6. The noise is estimated from the rest; if the tests ask for changes with it, 2 to 5 are repeated.
-//! 7. A final adjustment of the remaining lengths, all with full weight.
+//! 7. If lengths of a station, a target or a part of the campaign scatter more than the others, the search is repeated
+//!    with less weight for these; what it leaves is taken if fewer lengths are removed.
+//! 8. A final adjustment of the remaining lengths, all with full weight.
 //!
 //! A campaign without gross errors passes after one adjustment and its tests.
 
@@ -65,19 +67,32 @@ pub fn screen_unless(
     explained: impl Fn() -> Option<Screened>,
 ) -> Result<Screened, Error> {
     let tried = |noise: Noise| {
-        let work = || Search::new(network, noise, declared, most_removed);
-        let mut first = work()?;
+        let work = |network: &Network| Search::new(network, noise, declared, most_removed);
+        let mut first = work(network)?;
         if first.suspicious()?
             && let Some(found) = explained()
         {
             return Ok(found);
         }
-        match screen_by(network, first) {
+        let found = screen_by(network, &mut first);
+        // By the noise of all, many lengths that only scatter more are gross errors.
+        if found
+            .as_ref()
+            .map_or_else(Error::is_contradiction, |found| changes(found) > 0)
+            && let Some(weighed) = first.weighed(network)?
+            && let Ok(of_weighed) = screen_by(&weighed, &mut work(&weighed)?)
+            && found
+                .as_ref()
+                .map_or(true, |found| changes(&of_weighed) < changes(found))
+        {
+            return Screened::as_found(network, declared, &of_weighed);
+        }
+        match found {
             // A zero that wanders far looks like many gross errors; cut into pieces it may be acceptable.
             Err(error) if error.is_contradiction() => {
-                let mut work = work()?;
+                let mut work = work(network)?;
                 work.cuts_what_wanders = true;
-                screen_by(network, work)
+                screen_by(network, &mut work)
             }
             done => done,
         }
@@ -115,7 +130,12 @@ pub fn is_clean(adjusted: &Screened) -> bool {
     sought().is_ok_and(|is_suspicious| !is_suspicious)
 }
 
-fn screen_by(network: &Network, mut work: Search) -> Result<Screened, Error> {
+/// Readings removed, and occupations split.
+fn changes(screened: &Screened) -> usize {
+    screened.removed.len() + screened.jumps.len()
+}
+
+fn screen_by(network: &Network, work: &mut Search) -> Result<Screened, Error> {
     for _ in 0..MAX_NOISE_UPDATES {
         work.clean()?;
         let mut screened = work.finished(network)?;

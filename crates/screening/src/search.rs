@@ -19,6 +19,7 @@ use crate::interruption::Excluded;
 use crate::robust_weights::{REMOVED, spread};
 use crate::screened::Screened;
 use crate::step_tests::StepTest;
+use crate::uneven::weigh_uneven;
 use crate::{Error, guard};
 
 /// Probability that a network without gross errors loses any reading.
@@ -66,6 +67,10 @@ fn critical(level: f64, tests: usize, degrees_of_freedom: f64) -> f64 {
 /// The search in progress: removed readings stay in the network without weight.
 pub(crate) struct Search {
     network: Network,
+    /// Factors on the variances of the readings with which the search lets them go, beside those that they have.
+    inflation: Vec<f64>,
+    /// The factors that they have; empty where all are one.
+    given: Vec<f64>,
     solution: Option<Arc<Solution>>,
     /// The start of the first solution.
     start: Option<Start>,
@@ -109,16 +114,17 @@ impl Search {
             far.clear();
         }
         let readings = network.readings.len();
-        let mut variance_factors = vec![1.0; readings];
+        let mut inflation = vec![1.0; readings];
         for &(reading, _) in &far {
-            variance_factors[reading] = REMOVED;
+            inflation[reading] = REMOVED;
         }
         Ok(Self {
             network: Network {
-                variance_factors,
                 noise,
                 ..network.clone()
             },
+            inflation,
+            given: network.variance_factors.clone(),
             solution: None,
             start: Some(start),
             tests: None,
@@ -147,10 +153,20 @@ impl Search {
         self.noise_known = Some(degrees);
     }
 
+    /// Gives the network the factors that its readings have now.
+    fn inflate(&mut self) {
+        let factors = &mut self.network.variance_factors;
+        factors.clone_from(&self.inflation);
+        for (factor, given) in factors.iter_mut().zip(&self.given) {
+            *factor *= given;
+        }
+    }
+
     fn solve(&mut self) -> Result<(), Error> {
         if let Some(near) = self.solution.take() {
             return self.solve_near(&near);
         }
+        self.inflate();
         let network = &self.network;
         let solution = match self.start.take() {
             Some(start) => start.solve(network),
@@ -162,6 +178,7 @@ impl Search {
 
     /// Solves again from the solution of a similar network.
     fn solve_near(&mut self, near: &Solution) -> Result<(), Error> {
+        self.inflate();
         let solution = solve_from(&self.network, near);
         // The network with all lengths at full weight could be solved: too little is left.
         self.take(Arc::new(
@@ -185,11 +202,7 @@ impl Search {
         self.network.noise == clean.noise
             && self.network.interruptions == clean.interruptions
             && self.network.readings.len() == clean.readings.len()
-            && self
-                .network
-                .variance_factors
-                .iter()
-                .all(|f| f.total_cmp(&1.0).is_eq())
+            && self.inflation.iter().all(|f| f.total_cmp(&1.0).is_eq())
     }
 
     fn take(&mut self, solution: Arc<Solution>) {
@@ -237,7 +250,7 @@ impl Search {
     /// Refuses that more than this share of the readings has lost its weight.
     fn too_many(&self, share: f64) -> Result<(), Error> {
         let readings = self.network.readings.len();
-        let factors = self.network.variance_factors.iter().enumerate();
+        let factors = self.inflation.iter().enumerate();
         let without_weight = factors.filter(|&(_, &factor)| factor > WEIGHTLESS);
         let removed: Vec<usize> = without_weight.map(|(reading, _)| reading).collect();
         match removed.len() as f64 > share * readings as f64 {
@@ -255,7 +268,8 @@ impl Search {
         if self.solution.is_none() {
             self.solve()?;
         }
-        let all = |solution: &Arc<Solution>| solution.tests(&self.network);
+        let all =
+            |solution: &Arc<Solution>| solution.tests_of_inflated(&self.network, &self.inflation);
         let new = || Arc::new(self.solution.as_ref().map(all).unwrap_or_default());
         let tests = Arc::clone(self.tests.get_or_insert_with(new));
         let spread = match (self.noise_known, self.declared) {
@@ -276,7 +290,7 @@ impl Search {
     }
 
     fn spread(&self, tests: &[ReadingTest]) -> f64 {
-        spread(tests, &self.network.variance_factors).max(LEAST_SPREAD)
+        spread(tests, &self.inflation).max(LEAST_SPREAD)
     }
 
     /// The limit of |w| in spreads. The spread has the degrees of freedom of the estimated noise; before there is
@@ -310,6 +324,25 @@ impl Search {
         Ok(!changes.is_empty()
             || self.weakest_split(spread).is_some()
             || self.step(&tests.readings, spread).is_some())
+    }
+
+    /// `original` with less weight for lengths that scatter more than the others, if any do.
+    pub(crate) fn weighed(&mut self, original: &Network) -> Result<Option<Network>, Error> {
+        let (tests, _) = self.tests()?;
+        let Some(solution) = self.solution.as_deref() else {
+            return Ok(None);
+        };
+        let weighed = weigh_uneven(&self.network, (solution, &tests), self.declared)?;
+        Ok(weighed.map(|weighed| {
+            let mut variance_factors = weighed.network.variance_factors;
+            for (factor, inflation) in variance_factors.iter_mut().zip(&self.inflation) {
+                *factor /= inflation;
+            }
+            Network {
+                variance_factors,
+                ..original.clone()
+            }
+        }))
     }
 
     /// Finds gross errors and interruptions until nothing changes.
@@ -356,7 +389,7 @@ impl Search {
             }
             for reading in unchecked {
                 self.unchecked[reading] = true;
-                self.network.variance_factors[reading] = REMOVED;
+                self.inflation[reading] = REMOVED;
             }
             self.solve()?;
         }

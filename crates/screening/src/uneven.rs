@@ -107,14 +107,8 @@ pub fn weigh_uneven(
         weighed.variance_factors = factors_of_readings(network, &uneven, &factors);
         let mut solution = solve_from(&weighed, solution)?;
         estimate_noise(&mut weighed, &mut solution, declared)?;
-        let own = weighed.noise.length_sigma_mm.powi(2);
         let tests = solution.tests(&weighed);
-        // Tests are those of a reading without its factor.
-        let w = |reading: usize| {
-            let test = &tests.readings[reading];
-            let more = (weighed.variance_factors[reading] - 1.0) * own;
-            test.error_mm / (test.sigma_mm.powi(2) + more).sqrt()
-        };
+        let w = |reading: usize| tests.readings[reading].w;
         let ratios = uneven
             .iter()
             .map(|own| ratio_to_rest(network, &uneven, own, w));

@@ -67,18 +67,12 @@ fn a_station_that_scatters_more_names_nothing() {
             "seed {seed}: {:?}",
             found.notices
         );
-        // So it is of a calibration, unless so many lengths are far off that it is refused.
-        match calibrate(&campaign, &Calibrating::default()) {
-            Ok(calibration) => {
-                let mut notices = calibration.notices.iter();
-                let says_so = |n: &String| n.starts_with("station S3: its lengths scatter");
-                assert!(notices.any(says_so), "seed {seed}");
-            }
-            Err(refused) => assert!(
-                sigma_um > 1.5 && refused.to_string().contains("station S3"),
-                "seed {seed}: {refused}"
-            ),
-        }
+        // So it is of a calibration, which removes none of these lengths.
+        let calibration = calibrate(&campaign, &Calibrating::default()).unwrap();
+        let mut notices = calibration.notices.iter();
+        let says_so = |n: &String| n.starts_with("station S3: its lengths scatter");
+        assert!(notices.any(says_so), "seed {seed}");
+        assert!(calibration.adjustment.rejected.is_empty(), "seed {seed}");
     }
 }
 
@@ -123,24 +117,29 @@ fn a_target_that_scatters_more_is_said_and_names_nothing() {
 }
 
 /// What a calibration states with a dirty reflector, or a tripod on a soft floor, is its scatter: error / u and the share of
-/// the 95 % intervals, pooled over 12 campaigns, within 5 standard errors (by chance one of the four fails with a probability of 2e-3).
-/// Errors are smaller than with the same weight for all, on the same lengths.
+/// the 95 % intervals, pooled over 12 campaigns, within 5 standard errors (by chance one of the six fails with a probability of 3e-3).
+/// With 4 µm, many lengths are gross errors by the noise of all, and calibrations were refused. Errors are smaller than with the same weight for all, on the same lengths.
 #[test]
 fn u_is_the_scatter_where_some_lengths_scatter_more() {
     let (_, text) = SCENARIOS[0];
     let scenario = Scenario::from_json(text).unwrap();
     let mut alike = Calibrating::default();
     alike.poses.robust = false;
-    for of_target in [true, false] {
+    for (of_target, sigma_um) in [(true, 1.0), (false, 1.0), (false, 4.0)] {
         let calibrated = in_parallel(500..512_u64, |seed| {
             let mut simulated = simulate(&scenario, seed).unwrap();
-            scattered_at(&mut simulated.campaign, 1.0, seed, |_, stop, target| {
-                if of_target {
-                    target == 2
-                } else {
-                    stop.station == 2
-                }
-            });
+            scattered_at(
+                &mut simulated.campaign,
+                sigma_um,
+                seed,
+                |_, stop, target| {
+                    if of_target {
+                        target == 2
+                    } else {
+                        stop.station == 2
+                    }
+                },
+            );
             [Calibrating::default(), alike].map(|settings| {
                 let calibration = calibrate(&simulated.campaign, &settings).unwrap();
                 let mut scatter = Scatter::default();
@@ -155,13 +154,18 @@ fn u_is_the_scatter_where_some_lengths_scatter_more() {
                 .collect(),
         });
         let pooled = weighed.pooled(|d| d.kind.is_of_machine());
-        println!("target: {of_target}: {pooled}");
-        assert!(pooled.is_as_stated(5.0), "target: {of_target}: {pooled}");
+        println!("target: {of_target}, {sigma_um} µm: {pooled}");
+        assert!(
+            pooled.is_as_stated(5.0),
+            "target: {of_target}, {sigma_um} µm: {pooled}"
+        );
         let is_length = |kind: Of| matches!(kind, Of::Component(own) if !own.is_angular());
         let rms_mm = |scatter: &Scatter| scatter.pooled(|d| is_length(d.kind)).rms;
         let gain = rms_mm(&weighed) / rms_mm(&alike);
-        println!("target: {of_target}: rms error {gain:.2} of that with the same weight");
-        assert!(gain < 1.0, "target: {of_target}: {gain}");
+        println!(
+            "target: {of_target}, {sigma_um} µm: rms error {gain:.2} of that with the same weight"
+        );
+        assert!(gain < 1.0, "target: {of_target}, {sigma_um} µm: {gain}");
     }
 }
 

@@ -14,7 +14,7 @@ impl Search {
     /// The removed readings with their errors.
     pub(crate) fn removed(&mut self) -> Result<Vec<Removed>, Error> {
         let (tests, _) = self.tests()?;
-        let factors = self.network.variance_factors.iter().enumerate();
+        let factors = self.inflation.iter().enumerate();
         let removed = factors.filter(|&(_, &factor)| factor >= REMOVED);
         Ok(removed
             .map(|(reading, _)| Removed {

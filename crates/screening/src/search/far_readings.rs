@@ -43,7 +43,7 @@ impl Search {
             let largest = distances.iter().fold(0.0_f64, |most, t| most.max(t.abs()));
             width = (0.5 * width).min(largest).min(widest * spread).max(spread);
             settled += usize::from(width <= spread);
-            self.network.variance_factors = distances.iter().map(|t| welsch(t / width)).collect();
+            self.inflation = distances.iter().map(|t| welsch(t / width)).collect();
             self.solve()?;
         }
         Ok(())
@@ -56,7 +56,7 @@ impl Search {
         let (tests, spread) = self.tests()?;
         let limit = self.limit(READINGS_LEVEL) * spread;
         let factor = |test: &ReadingTest| if test.w.abs() > limit { REMOVED } else { 1.0 };
-        self.network.variance_factors = tests.readings.iter().map(factor).collect();
+        self.inflation = tests.readings.iter().map(factor).collect();
         self.solve()
     }
 }

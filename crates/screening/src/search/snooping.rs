@@ -28,7 +28,7 @@ impl Search {
             }
             for (reading, factor) in changes {
                 returns[reading] += u8::from(factor < REMOVED);
-                self.network.variance_factors[reading] = factor;
+                self.inflation[reading] = factor;
             }
             self.solve()?;
         }
@@ -46,7 +46,7 @@ impl Search {
         for visit in &self.network.visits {
             for i in visit.readings.clone().filter(|&i| !self.unchecked[i]) {
                 let w = tests.readings[i].w.abs();
-                let is_out = self.network.variance_factors[i] >= REMOVED;
+                let is_out = self.inflation[i] >= REMOVED;
                 if is_out && w <= limit {
                     take_if_larger(&mut best[visit.group], -w, i);
                 } else if !is_out && w > limit {
@@ -77,7 +77,7 @@ impl Search {
         let tests = tests.iter().map(|w| w.abs());
         for ((visit, content), w) in self.network.visits.iter().enumerate().zip(tests) {
             let mut readings = content.readings.clone();
-            let all = readings.all(|i| self.network.variance_factors[i] < REMOVED);
+            let all = readings.all(|i| self.inflation[i] < REMOVED);
             if all && w > limit {
                 take_if_larger(&mut worst[content.group], w, visit);
             }

@@ -91,7 +91,7 @@ impl Search {
             rows = Some(new);
         }
         let mut steps = self.largest_steps.clone()?;
-        let taking_part = tests.iter().zip(&self.network.variance_factors);
+        let taking_part = tests.iter().zip(&self.inflation);
         let largest_reading = taking_part
             .filter(|&(_, &factor)| factor <= 1.0)
             .fold(0.0_f64, |largest, (test, _)| largest.max(test.w.abs()));
@@ -161,7 +161,7 @@ impl Search {
     pub(super) fn merge_empty_occupations(&mut self) -> Result<(), Error> {
         loop {
             let mut is_used = vec![false; self.network.zeros()];
-            let factors = &self.network.variance_factors;
+            let factors = &self.inflation;
             for (zero, &factor) in self.network.zero_of_readings().into_iter().zip(factors) {
                 is_used[zero] |= factor < REMOVED;
             }
