@@ -139,13 +139,20 @@ pub(crate) fn in_equal_ratios(first: f64, ratio: f64, count: i32) -> Vec<f64> {
 /// Pauses are most of the time if less than this part of it is left without them.
 const MOSTLY_READ: f64 = 0.5;
 
-/// The duration, s; where pauses, as over a night, are most of it, the median time from one visit to the next for each.
+/// The duration of visits without pauses ([`without_pauses`]), s.
 pub(crate) fn busy_s(visits: &[VisitTimes]) -> f64 {
-    let steps = visits.windows(2).map(|v| v[1].span_s[0] - v[0].span_s[0]);
-    let busy_s = median(&mut steps.collect::<Vec<_>>()).map(|step_s| step_s * visits.len() as f64);
-    let duration_s = duration_s(visits);
-    let without_pauses = busy_s.filter(|&busy_s| 0.0 < busy_s && busy_s < MOSTLY_READ * duration_s);
-    without_pauses.unwrap_or(duration_s)
+    let starts_s = visits.iter().map(|v| v.span_s[0]);
+    without_pauses(starts_s.collect(), duration_s(visits))
+}
+
+/// A duration in which something began at these times; where pauses, as over a night, are most of it, the median time from one
+/// to the next for each.
+pub(crate) fn without_pauses(starts_s: Vec<f64>, duration_s: f64) -> f64 {
+    let steps = starts_s.windows(2).map(|two| two[1] - two[0]);
+    let busy_s =
+        median(&mut steps.collect::<Vec<_>>()).map(|step_s| step_s * starts_s.len() as f64);
+    let busy_s = busy_s.filter(|&busy_s| 0.0 < busy_s && busy_s < MOSTLY_READ * duration_s);
+    busy_s.unwrap_or(duration_s)
 }
 
 /// Duration from the first to the last reading, s.

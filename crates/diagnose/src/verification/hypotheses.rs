@@ -12,7 +12,7 @@ use trueaxis_leastsquares::median;
 use trueaxis_selection::{Hypothesis, ShapeColumns, middle};
 
 use crate::engine::linear::{Candidate, Finer};
-use crate::engine::{in_equal_ratios, plausible};
+use crate::engine::{in_equal_ratios, plausible, without_pauses};
 use crate::verification::arrivals::Arrival;
 use crate::verification::comparison::Comparison;
 use crate::verification::lost_motion;
@@ -201,11 +201,13 @@ fn shapes(comparison: &Comparison<'_>, shape: Shape, subject: &Subject) -> Vec<f
         // Readings have no logged temperatures to lag behind.
         Shape::Fixed | Shape::Lag => vec![0.0],
         Shape::TimeConstant | Shape::SettlingTime => {
-            let arrivals = &comparison.arrivals;
-            let duration = arrivals.iter().map(|a| a.elapsed_s).fold(0.0, f64::max);
+            let mut elapsed: Vec<f64> = comparison.arrivals.iter().map(|a| a.elapsed_s).collect();
+            elapsed.sort_by(f64::total_cmp);
+            let arrivals = elapsed.len().max(2) as f64;
+            let duration = elapsed.last().copied().unwrap_or(0.0);
+            let busy_s = without_pauses(elapsed, duration);
             // From a time constant that a few readings resolve to one that looks linear.
-            let between = duration / arrivals.len().max(2) as f64;
-            let shortest = (0.02 * duration).max(LEAST_READINGS * between);
+            let shortest = (0.02 * busy_s).max(LEAST_READINGS * busy_s / arrivals);
             let ratio = (3.0 * duration / shortest).powf(1.0 / f64::from(TIME_CONSTANTS - 1));
             in_equal_ratios(shortest, ratio, TIME_CONSTANTS)
         }

@@ -54,6 +54,27 @@ fn pauses_make_no_swing_of_what_repeats_with_the_cycle() {
     }
 }
 
+/// A machine that warms up by 12 µm in 100 s, and pauses of two hours: time constants from a few readings on are tried, not from a
+/// part of the whole duration on, beside which it was something that wanders. One in 60,000 such values is beyond four u.
+#[test]
+fn a_machine_that_warms_up_before_a_long_pause_is_told() {
+    for seed in 0..3 {
+        let mut generator = generator(seed, 97);
+        let found = found(line(7200.0, true, &mut |place| {
+            let noise: f64 = StandardNormal.sample(&mut generator);
+            0.3 * noise + 12.0 * (1.0 - (-place.time_s / 100.0).exp())
+        }));
+        let mut causes = found.causes.iter();
+        let warms_up = causes.find(|cause| cause.effect.effect.id == "warm_up");
+        let warms_up = warms_up.unwrap_or_else(|| panic!("seed {seed}: {}", summary(&found)));
+        let size = &warms_up.parameters[0];
+        assert!(
+            (size.value - 12.0).abs() < 4.0 * size.u && size.u < 1.0,
+            "seed {seed}: {size:?}"
+        );
+    }
+}
+
 /// A zero that drifts by 20 µm while 2 µm are lost, without a clock: the passes may have pauses between them or not, and offsets for all
 /// of them took the lost motion (none of 8 was told; now 40 of 40).
 #[test]
