@@ -1,7 +1,8 @@
 //! The side from which an axis comes that moves with others, as on a circle.
 //!
-//! It is the sign of its speed at the row, from a parabola through three rows. Where that is nearly zero, at the end
-//! of its travel, the axis is still on the side it came from. On a closed circle the first row follows the last.
+//! It is the sign of its speed at the row, from a parabola through three rows over the path, which the machine travels at an
+//! even feed: rows may be missing. Where it is nearly zero, at the end of its travel, the axis is still on the side it came
+//! from. On a closed circle the first row follows the last.
 
 /// Rounding of the coordinates of a circle; far below any step of a machine.
 const ROUNDING_MM_OR_RAD: f64 = 1e-9;
@@ -15,29 +16,32 @@ pub(crate) fn side(
     row: usize,
 ) -> f64 {
     let last = positions.len() - 1;
-    let at = |row: usize| positions[row][axis];
+    let step = |[from, to]: [usize; 2]| Step {
+        moves: positions[to][axis] - positions[from][axis],
+        path: distance(&positions[from], &positions[to]),
+    };
     let before = row.checked_sub(1).or(closed.map(|[end, _]| end));
     let after = Some(row + 1).filter(|next| *next <= last);
     let after = after.or(closed.map(|[_, start]| start));
-    let came = before.map(|before| at(row) - at(before));
-    let goes = after.map(|after| at(after) - at(row));
+    let came = before.map(|before| step([before, row]));
+    let goes = after.map(|after| step([row, after]));
     // The tangent of a parabola: in the middle of its three points, at its first (a machine runs in before) or last.
     let (speed, steps, turned) = match (came, goes) {
-        (Some(came), Some(goes)) => (came + goes, [came, goes], came),
+        (Some(came), Some(goes)) => (between(came, goes), [came, goes], came.moves),
         (None, Some(goes)) if last > 1 => {
-            let next = at(2) - at(1);
-            (3.0 * goes - next, [goes, next], -goes)
+            let next = step([1, 2]);
+            (before_both(goes, next), [goes, next], -goes.moves)
         }
         (Some(came), None) if last > 1 => {
-            let earlier = at(row - 1) - at(row - 2);
-            (3.0 * came - earlier, [came, earlier], came)
+            let earlier = step([row - 2, row - 1]);
+            (before_both(came, earlier), [came, earlier], came.moves)
         }
         (one, other) => {
-            let step = one.or(other).unwrap_or(0.0);
-            (step, [step; 2], step)
+            let step = one.or(other).unwrap_or_default();
+            (step.moves, [step; 2], step.moves)
         }
     };
-    let step = steps[0].abs().max(steps[1].abs());
+    let step = steps[0].moves.abs().max(steps[1].moves.abs());
     if step <= ROUNDING_MM_OR_RAD {
         0.0
     } else if speed.abs() > TURNS_ROUND * step {
@@ -45,6 +49,39 @@ pub(crate) fn side(
     } else {
         turned.signum()
     }
+}
+
+/// From a row to the next.
+#[derive(Debug, Default, Clone, Copy)]
+struct Step {
+    /// By how much the axis moves.
+    moves: f64,
+    /// How far all axes move.
+    path: f64,
+}
+
+/// How far rows are apart. Where linear axes follow a rotary one, they move by far more millimetres than it by radians.
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let squares = a.iter().zip(b).map(|(a, b)| (b - a).powi(2));
+    squares.sum::<f64>().sqrt()
+}
+
+/// Speed of an axis at the row between two steps, in their path.
+fn between(came: Step, goes: Step) -> f64 {
+    let ratio = ratio(came, goes);
+    came.moves / ratio + goes.moves * ratio
+}
+
+/// Speed at the row on the other side of the `near` step than the far one, in the path of both.
+fn before_both(near: Step, far: Step) -> f64 {
+    let ratio = ratio(near, far);
+    near.moves * (2.0 + ratio.recip()) - far.moves * ratio
+}
+
+/// How the path of a step is to that of another; 1 where one of them is none.
+fn ratio(one: Step, other: Step) -> f64 {
+    let ratio = one.path / other.path;
+    if ratio.is_normal() { ratio } else { 1.0 }
 }
 
 /// Share of a step by which an axis moves on from the row before to the one after, below which it turns in between.
