@@ -8,6 +8,7 @@ use crate::engine::{
     compete, find_causes, is_imitation, scans, settled, still_left,
 };
 use crate::points::base::Base;
+use crate::points::doubted::robust_sigma;
 use crate::points::held_out::held_out;
 use crate::points::model::Model;
 use crate::points::omnibus::{families, omnibus};
@@ -90,7 +91,7 @@ impl<'a> Believed<'a> {
                     false => held_out(base, model, &suspects(found)),
                 };
                 let holds = match are_many {
-                    true => heldout.is_some_and(|h| h.is_gain()) && does_most(model),
+                    true => heldout.is_some_and(|h| h.is_gain()) && does_most(base, model),
                     false => heldout.is_none_or(|h| !h.is_loss()),
                 };
                 if found.is_empty() || holds {
@@ -114,10 +115,12 @@ impl<'a> Believed<'a> {
     }
 }
 
-/// Whether causes take more than half of the squares beyond the noise.
-fn does_most(model: &Model) -> bool {
-    let (bare, left) = (&model.bare, &model.projection);
-    bare.squares() - left.squares() > 0.5 * (bare.squares() - left.degrees_of_freedom)
+/// Whether causes take more than half of the squares beyond the noise, which the variances of the model do not tell: gross errors
+/// are in them.
+fn does_most(base: &Base<'_>, model: &Model) -> bool {
+    let (bare, left) = (model.bare.squares(), &model.projection);
+    let noise = robust_sigma(base, model).powi(2) * left.degrees_of_freedom;
+    bare - left.squares() > 0.5 * (bare - noise)
 }
 
 pub(super) fn suspects(found: &[Found]) -> Vec<Suspect> {

@@ -12,8 +12,26 @@ use crate::points::base::Base;
 use crate::points::gross_errors::MOST;
 use crate::points::model::Model;
 
-/// Median lengths from which a point is far off: eight standard deviations; a median of three coordinates is 1.54.
-const FAR: f64 = 8.0 / 1.54;
+/// Median length of three coordinates of variance one.
+const MEDIAN: f64 = 1.54;
+
+/// Standard deviations from which a point is far off.
+const FAR: f64 = 8.0;
+
+/// Lengths of the whitened residuals of all points.
+fn lengths(base: &Base<'_>, model: &Model) -> Vec<f64> {
+    let residuals = model.projection.residuals.chunks_exact(3);
+    let length = |row: &[f64]| row.iter().map(|e| e * e).sum::<f64>().sqrt();
+    residuals
+        .map(length)
+        .take(base.readings.all.len())
+        .collect()
+}
+
+/// Standard deviation of the whitened residuals by their median length, which wrong points do not move.
+pub(super) fn robust_sigma(base: &Base<'_>, model: &Model) -> f64 {
+    median(&mut lengths(base, model)).map_or(1.0, |median| median / MEDIAN)
+}
 
 /// The points far off in what a model leaves, if they are more than mistakes explain, or any if gross errors stayed
 /// (`are_many`). `noise_um` is the standard deviation of a coordinate.
@@ -24,10 +42,8 @@ pub(crate) fn doubted(
     are_many: bool,
 ) -> Option<Unexplained> {
     let all = &base.readings.all;
-    let residuals = model.projection.residuals.chunks_exact(3);
-    let length = |row: &[f64]| row.iter().map(|e| e * e).sum::<f64>().sqrt();
-    let lengths: Vec<f64> = residuals.map(length).take(all.len()).collect();
-    let limit = FAR * median(&mut lengths.clone())?;
+    let lengths = lengths(base, model);
+    let limit = FAR * robust_sigma(base, model);
     let stops = base.readings.stops.iter();
     let largest = stops.filter_map(|stop| {
         stop.clone()

@@ -25,7 +25,7 @@ use crate::points::readings::Reading;
 const LEVEL: f64 = 1e-4;
 
 /// Share of the points that may be wrong, and at least one.
-pub(crate) const MOST: f64 = 0.01;
+pub(crate) const MOST: f64 = 0.03;
 
 /// Points that stand out by less than this share of the largest wait: that one may be what they contradict.
 const AT_ONCE: f64 = 0.5;

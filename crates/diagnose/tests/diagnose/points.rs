@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 use rand_distr::{Distribution, StandardNormal};
-use trueaxis_campaign::Stop;
+use trueaxis_campaign::{Campaign, Stop};
 use trueaxis_diagnose::{
     Cause, Diagnosis, Rejected, Rival, Settings, Verdict, Wandering, diagnose, without_wrong_points,
 };
@@ -341,18 +341,36 @@ fn a_frame_that_moves_between_runs_is_told() {
     }
 }
 
-/// Fifteen points of 756 (2 %) that are off by 0.3 mm, in the sense of y or against it, and 76 (10 %): too many to leave out, so that all stay, and
-/// the campaign is not clean.
+/// A clean campaign of which one in so many points is off by 0.3 mm, in the sense of y or against it; and which.
+fn partly_wrong(seed: u64, one_in: usize) -> (Campaign, Vec<usize>) {
+    let mut campaign = made(&Plan::THREE_AXES, &[], seed);
+    let points = campaign.points.as_mut().unwrap();
+    let mut lines = Vec::new();
+    for (k, reading) in points.readings.iter_mut().enumerate() {
+        if (7 * k + 3) % one_in == 0 {
+            reading.position_mm.y += if k % 3 == 0 { 0.3 } else { -0.3 };
+            lines.push(reading.line);
+        }
+    }
+    (campaign, lines)
+}
+
+/// Fifteen points of 756 (2 %): they and no others are left out. With up to 1 % only, all stayed, and one in ten such campaigns had a target
+/// that slipped.
+#[test]
+fn two_per_cent_of_gross_errors_are_left_out() {
+    let (campaign, lines) = partly_wrong(21, 50);
+    let found = diagnose(&campaign, &without_curves()).unwrap();
+    assert_eq!(found.verdict, Verdict::Clean, "{}", counts::summary(&found));
+    let left_out: Vec<usize> = found.rejected.iter().map(|own| own.row).collect();
+    assert_eq!(left_out, lines);
+}
+
+/// Thirty-one points of 756 (4 %), and 76 (10 %): too many to leave out, so that all stay, and the campaign is not clean.
 #[test]
 fn too_many_gross_errors_are_not_clean() {
-    for (seed, one_in) in [(21, 50), (22, 10)] {
-        let mut campaign = made(&Plan::THREE_AXES, &[], seed);
-        let points = campaign.points.as_mut().unwrap();
-        for (k, reading) in points.readings.iter_mut().enumerate() {
-            if (7 * k + 3) % one_in == 0 {
-                reading.position_mm.y += if k % 3 == 0 { 0.3 } else { -0.3 };
-            }
-        }
+    for (seed, one_in) in [(21, 25), (22, 10)] {
+        let (campaign, _) = partly_wrong(seed, one_in);
         let found = diagnose(&campaign, &without_curves()).unwrap();
         assert!(found.rejected.is_empty(), "{}", counts::summary(&found));
         assert_eq!(
