@@ -91,7 +91,7 @@ pub(crate) use estimated::{ByShape, cause, derivative, with_uncertainties};
 pub(crate) use forward::{FURTHER_LEVEL, Forward, SHAPE_ERROR, Search, is_another, select};
 pub(crate) use held_out::{FOLDS, HeldOut, Sums, resampled_ratios, sought_again};
 pub(crate) use hypotheses::{
-    busy_s, duration_s, in_equal_ratios, is_tested, of_catalogue, scan, scans, without_pauses,
+    TimeConstants, busy_s, duration_s, is_tested, of_catalogue, scan, scans, without_pauses,
 };
 pub(crate) use measured::{Found, Measured, Suspect, are_two};
 pub(crate) use omnibus::{

@@ -130,10 +130,27 @@ fn leave_before_out(column: &mut [f64], is_after: &dyn Fn(usize) -> bool) {
         .for_each(|(_, value)| *value = 0.0);
 }
 
-/// `count` values from `first` on, each `ratio` times the previous one; empty if `first` is zero.
-pub(crate) fn in_equal_ratios(first: f64, ratio: f64, count: i32) -> Vec<f64> {
-    let all = (0..count).map(|k| first * ratio.powi(k));
-    all.filter(|value| *value > 0.0).collect()
+/// Time constants to try.
+pub(crate) struct TimeConstants {
+    /// The shortest, as a part of the time without pauses ([`without_pauses`]), and the longest, as a part of the whole.
+    pub(crate) parts: [f64; 2],
+    /// How many.
+    pub(crate) count: i32,
+}
+
+/// Fewest visits or arrivals within a time constant: fewer do not distinguish it from a slip.
+const LEAST_VISITS: f64 = 3.0;
+
+impl TimeConstants {
+    /// In equal ratios, for so many visits.
+    pub(crate) fn of(&self, visits: usize, busy_s: f64, duration_s: f64) -> Vec<f64> {
+        let [shortest, longest] = self.parts;
+        let shortest_s = busy_s * shortest.max(LEAST_VISITS / visits.max(2) as f64);
+        let steps = f64::from(self.count - 1);
+        let ratio = (longest * duration_s / shortest_s).powf(steps.recip());
+        let all = (0..self.count).map(|k| shortest_s * ratio.powi(k));
+        all.filter(|value| *value > 0.0).collect()
+    }
 }
 
 /// Pauses are most of the time if less than this part of it is left without them.

@@ -5,20 +5,22 @@ use trueaxis_multilateration::Noise;
 use trueaxis_selection::{DECISIVE, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
 use crate::Error;
-use crate::engine::{Culprit, Measured, Suspect, busy_s, duration_s, in_equal_ratios, plausible};
+use crate::engine::{Culprit, Measured, Suspect, TimeConstants, busy_s, duration_s, plausible};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 use crate::lengths::swapped::swapped;
 
-/// Time constants to try, in equal ratios from a hundredth of the campaign, or of the longest occupation of a
-/// station, without long pauses, to twice its length.
-const TIME_CONSTANTS: i32 = 24;
-const SHORTEST: f64 = 0.01;
-const TIME_CONSTANT_RATIO: f64 = 1.26;
+/// From a hundredth of the campaign, or of the longest occupation of a station, to twice its length.
+const TIME_CONSTANTS: TimeConstants = TimeConstants {
+    parts: [0.01, 2.0],
+    count: 24,
+};
 
-/// Lags behind a temperature to try besides none, in equal ratios from a hundredth of the campaign.
-const LAGS: i32 = 11;
-const LAG_RATIO: f64 = 1.6;
+/// Lags behind a temperature to try besides none.
+const LAGS: TimeConstants = TimeConstants {
+    parts: [0.01, 1.0],
+    count: 11,
+};
 
 impl Measured for Base<'_> {
     type Model = Adjusted;
@@ -86,13 +88,11 @@ impl Measured for Base<'_> {
             parts.iter().map(|part| time_s(part)).fold(0.0, f64::max)
         };
         let (busy_s, duration_s) = (longest(busy_s), longest(duration_s));
-        let list = |ratio: f64, count: i32| {
-            let wider = (duration_s / busy_s).powf(1.0 / f64::from(count - 1));
-            in_equal_ratios(busy_s * SHORTEST, ratio * wider, count)
-        };
+        let visits = parts.iter().map(Vec::len).max().unwrap_or(0);
+        let list = |times: &TimeConstants| times.of(visits, busy_s, duration_s);
         match shape {
-            Shape::Lag => [vec![0.0], list(LAG_RATIO, LAGS)].concat(),
-            _ => list(TIME_CONSTANT_RATIO, TIME_CONSTANTS),
+            Shape::Lag => [vec![0.0], list(&LAGS)].concat(),
+            _ => list(&TIME_CONSTANTS),
         }
     }
 

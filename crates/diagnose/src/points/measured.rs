@@ -4,16 +4,16 @@ use trueaxis_effects::{Parameter, Scene, Shape};
 use trueaxis_selection::{ALIKE, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
 use crate::Error;
-use crate::engine::{Culprit, Measured, Suspect, busy_s, in_equal_ratios};
+use crate::engine::{Culprit, Measured, Suspect, TimeConstants, busy_s};
 use crate::points::base::Base;
 use crate::points::model::Model;
 use crate::points::noise::Noise;
 
-/// Time constants to try, in equal ratios from a hundredth of the campaign without long pauses, but at least three stops, to three times its length.
-const TIME_CONSTANTS: i32 = 20;
-const SHORTEST: f64 = 0.01;
-const LONGEST: f64 = 3.0;
-const LEAST_STOPS: f64 = 3.0;
+/// From a hundredth of the campaign to three times its length.
+const TIME_CONSTANTS: TimeConstants = TimeConstants {
+    parts: [0.01, 3.0],
+    count: 20,
+};
 
 /// Plausible sudden and gradual displacements: those of a frame.
 const FARTHEST_UM: [f64; 2] = [-5e3, 5e3];
@@ -71,11 +71,11 @@ impl Measured for Base<'_> {
     fn shapes(&self, _: Shape) -> Vec<f64> {
         let elapsed = self.readings.all.iter().map(|r| r.elapsed_s);
         let duration_s = elapsed.fold(0.0, f64::max);
-        let busy_s = busy_s(&self.visits());
-        let between = busy_s / self.readings.stops.len() as f64;
-        let shortest = (SHORTEST * busy_s).max(LEAST_STOPS * between);
-        let ratio = (LONGEST * duration_s / shortest).powf(1.0 / f64::from(TIME_CONSTANTS - 1));
-        in_equal_ratios(shortest, ratio, TIME_CONSTANTS)
+        TIME_CONSTANTS.of(
+            self.readings.stops.len(),
+            busy_s(&self.visits()),
+            duration_s,
+        )
     }
 
     fn adjust(&self, suspects: Vec<Suspect>, noise: Option<Noise>) -> Result<Model, Error> {

@@ -12,7 +12,7 @@ use trueaxis_leastsquares::median;
 use trueaxis_selection::{Hypothesis, ShapeColumns, middle};
 
 use crate::engine::linear::{Candidate, Finer};
-use crate::engine::{in_equal_ratios, plausible, without_pauses};
+use crate::engine::{TimeConstants, plausible, without_pauses};
 use crate::verification::arrivals::Arrival;
 use crate::verification::comparison::Comparison;
 use crate::verification::lost_motion;
@@ -20,11 +20,11 @@ use crate::verification::one_side;
 use crate::verification::order::goes_against_its_sides;
 use crate::verification::whitening::Whitening;
 
-/// Number of time constants tried, in equal ratios.
-const TIME_CONSTANTS: i32 = 16;
-
-/// Fewest readings within a time constant: fewer do not distinguish it from a slip.
-const LEAST_READINGS: f64 = 3.0;
+/// To a time constant that looks linear.
+const TIME_CONSTANTS: TimeConstants = TimeConstants {
+    parts: [0.02, 3.0],
+    count: 16,
+};
 
 /// Fewest arrivals on either side of an instant (a quarter of all, if that is less).
 const LEAST_ARRIVALS: usize = 3;
@@ -203,13 +203,9 @@ fn shapes(comparison: &Comparison<'_>, shape: Shape, subject: &Subject) -> Vec<f
         Shape::TimeConstant | Shape::SettlingTime => {
             let mut elapsed: Vec<f64> = comparison.arrivals.iter().map(|a| a.elapsed_s).collect();
             elapsed.sort_by(f64::total_cmp);
-            let arrivals = elapsed.len().max(2) as f64;
-            let duration = elapsed.last().copied().unwrap_or(0.0);
-            let busy_s = without_pauses(elapsed, duration);
-            // From a time constant that a few readings resolve to one that looks linear.
-            let shortest = (0.02 * busy_s).max(LEAST_READINGS * busy_s / arrivals);
-            let ratio = (3.0 * duration / shortest).powf(1.0 / f64::from(TIME_CONSTANTS - 1));
-            in_equal_ratios(shortest, ratio, TIME_CONSTANTS)
+            let duration_s = elapsed.last().copied().unwrap_or(0.0);
+            let busy_s = without_pauses(elapsed, duration_s);
+            TIME_CONSTANTS.of(comparison.arrivals.len(), busy_s, duration_s)
         }
         Shape::Instant => {
             let gaps_s = gaps_s(comparison);
