@@ -52,7 +52,7 @@
 //!   than causes or are left beside them ([`competition`]); [`mod@wandered`] reports them.
 //! - [`culprit`]: whether two causes are one trouble under two names.
 //! - [`omnibus`]: whether anything is left, and what it varies with; causes that only imitate it.
-//! - [`held_out`]: the gain on sweeps not used for the fit.
+//! - [`held_out`]: the gain on rows not used for the fit.
 //! - [`mod@places`]: the misfit by groups of readings; [`mod@unseen`]: what the data cannot show.
 //! - [`estimated`]: parameters with their uncertainties, shapes included.
 
@@ -89,7 +89,7 @@ pub(crate) use competition::{
 pub(crate) use culprit::{Culprit, Culprits};
 pub(crate) use estimated::{ByShape, cause, derivative, with_uncertainties};
 pub(crate) use forward::{FURTHER_LEVEL, Forward, SHAPE_ERROR, Search, is_another, select};
-pub(crate) use held_out::{FOLDS, HeldOut, Sums, resampled_ratios, sought_again};
+pub(crate) use held_out::{FOLDS, HeldOut, Squares, in_blocks, sought_again};
 pub(crate) use hypotheses::{
     TimeConstants, busy_s, duration_s, is_tested, of_catalogue, scan, scans, without_pauses,
 };

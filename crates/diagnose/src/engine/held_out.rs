@@ -1,8 +1,8 @@
 //! The gain on data not used for the fit.
 //!
-//! Whole sweeps are assigned to folds in advance; each fold is predicted from the others, without the causes and with
-//! them. Instants and time constants are sought again in the others ([`sought_again`]). The ratio of the rms has an
-//! interval from a bootstrap of sweeps.
+//! Blocks of neighbouring rows, such as whole sweeps, are assigned to folds in advance; each fold is predicted from the
+//! others, without the causes and with them. Instants and time constants are sought again in the others
+//! ([`sought_again`]). The ratio of the rms has an interval from a bootstrap of blocks.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -11,79 +11,93 @@ use trueaxis_selection::{DECISIVE, Projection, ln_f_test};
 use crate::engine::{Measured, Suspect, scan};
 use crate::{Gain, HeldOutRatio};
 
-/// Held-out rms without and with the causes in standard deviations of the noise, and the interval of
-/// their ratio.
+/// Sums of squares of held-out rows in variances of the noise: without the causes, with them, and expected from noise
+/// alone.
+pub(crate) type Squares = [f64; 3];
+
+/// How well held-out rows are predicted without and with the causes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct HeldOut {
-    pub(crate) before: f64,
-    pub(crate) after: f64,
-    pub(crate) interval: [f64; 2],
-    /// By how much the squares are more with the causes: minus twice the logarithm of the ratio of the likelihoods.
-    more: f64,
+    pub(crate) squares: Squares,
+    /// Ratio of the rms, with its 95 % interval.
+    pub(crate) ratio: HeldOutRatio,
+    /// The ratio is below this with a probability of nine in ten.
+    pub(crate) upper_bound: f64,
 }
-
-/// Number of readings of a sweep, and its squares without and with the causes.
-pub(crate) type Sums = (usize, f64, f64);
 
 /// Number of folds.
 pub(crate) const FOLDS: usize = 5;
 
 /// Resamples of the bootstrap: its 95 % interval is then good to a tenth of its width.
-const RESAMPLES: usize = 1000;
+const DRAWS: usize = 2000;
 
-const SEED: u64 = 0x6865_6c64_2d6f_7574;
+const SEED: u64 = 0x6865_6c64_5f6f_7574;
 
 impl HeldOut {
-    /// From the sums of sweeps.
-    pub(crate) fn of(sums: &[Sums]) -> Self {
-        let count: usize = sums.iter().map(|s| s.0).sum();
-        let rms = |squares: f64| (squares / count as f64).sqrt();
-        let squares: Vec<[f64; 2]> = sums.iter().map(|s| [s.1, s.2]).collect();
-        let ratios = resampled_ratios(&squares, RESAMPLES, SEED);
-        let tail = RESAMPLES / 40;
-        Self {
-            before: rms(sums.iter().map(|s| s.1).sum()),
-            after: rms(sums.iter().map(|s| s.2).sum()),
-            interval: [ratios[tail], ratios[RESAMPLES - tail - 1]],
-            more: squares.iter().map(|[before, after]| after - before).sum(),
+    /// From the squares of blocks; `None` if there is nothing to explain.
+    pub(crate) fn of(blocks: &[Squares]) -> Option<Self> {
+        let squares = [0, 1, 2].map(|k| blocks.iter().map(|block| block[k]).sum::<f64>());
+        if squares[0] <= 0.0 {
+            return None;
         }
+        let ratios = resampled_ratios(blocks);
+        let quantile = |per_mille: usize| ratios.get(per_mille * ratios.len() / 1000).copied();
+        Some(Self {
+            squares,
+            ratio: HeldOutRatio {
+                ratio: (squares[1] / squares[0]).sqrt(),
+                interval: [quantile(25)?, quantile(975)?],
+            },
+            upper_bound: quantile(900)?,
+        })
     }
 
-    /// Whether the causes certainly predict worse than nothing. Where few sweeps can show a cause, the ratio may be above one in every draw
+    /// Rms without and with the causes, in standard deviations of the noise.
+    pub(crate) fn rms(&self) -> [f64; 2] {
+        let [before, after, noise] = self.squares;
+        [before, after].map(|squares| (squares / noise).sqrt())
+    }
+
+    /// Whether the causes certainly predict worse than nothing. Where few blocks can show a cause, the ratio may be above one in every draw
     /// by nearly nothing.
     pub(crate) fn is_loss(&self) -> bool {
-        self.interval[0] >= 1.0 && self.more > DECISIVE
+        // Minus twice the logarithm of the ratio of the likelihoods.
+        self.ratio.interval[0] >= 1.0 && self.squares[1] - self.squares[0] > DECISIVE
     }
 
     /// Whether the causes certainly predict better than nothing.
     pub(crate) fn is_gain(&self) -> bool {
-        self.interval[1] < 1.0
+        self.ratio.interval[1] < 1.0
     }
 
-    pub(crate) fn ratio(self) -> HeldOutRatio {
-        HeldOutRatio {
-            ratio: self.after / self.before,
-            interval: self.interval,
-        }
-    }
-
-    /// The gain, with the share of the misfit above the noise that was removed, by the rms `before` and `after`, µm.
-    pub(crate) fn gain(self, before_um: f64, after_um: f64, noise_um: f64) -> Gain {
-        let excess = before_um.powi(2) - noise_um.powi(2);
-        let left = (after_um.powi(2) - noise_um.powi(2)).max(0.0);
-        let removed = (1.0 - left / excess).clamp(0.0, 1.0);
+    /// The gain, with the share of the misfit above the noise that was removed, by these squares.
+    pub(crate) fn gain(&self, [before, after, noise]: Squares) -> Gain {
+        let excess = before - noise;
+        let removed = ((before - after) / excess).clamp(0.0, 1.0);
         Gain {
-            heldout_rms_ratio: self.ratio().ratio,
-            interval: self.interval,
+            heldout_rms_ratio: self.ratio.ratio,
+            interval: self.ratio.interval,
             share_of_excess_removed: if excess > 0.0 { removed } else { 0.0 },
             leave_one_station_out: None,
         }
     }
 }
 
-/// The square root of the second of two sums divided by the first, for resampled blocks, in ascending order.
-pub(crate) fn resampled_ratios(blocks: &[[f64; 2]], draws: usize, seed: u64) -> Vec<f64> {
-    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+/// The squares of blocks, from those of rows with the number of the block of each.
+pub(crate) fn in_blocks(rows: impl Iterator<Item = (usize, Squares)>) -> Vec<Squares> {
+    let mut blocks: Vec<Squares> = Vec::new();
+    for (block, squares) in rows {
+        blocks.resize(blocks.len().max(block + 1), [0.0; 3]);
+        for (sum, own) in blocks[block].iter_mut().zip(squares) {
+            *sum += own;
+        }
+    }
+    blocks
+}
+
+/// Ratios of the rms with and without the causes for resampled blocks, in ascending order.
+fn resampled_ratios(blocks: &[Squares]) -> Vec<f64> {
+    let mut generator = ChaCha8Rng::seed_from_u64(SEED);
     let mut resampled = || {
         let mut sums = [0.0; 2];
         for _ in blocks {
@@ -93,7 +107,9 @@ pub(crate) fn resampled_ratios(blocks: &[[f64; 2]], draws: usize, seed: u64) -> 
         }
         (sums[1] / sums[0]).sqrt()
     };
-    let mut ratios: Vec<f64> = (0..draws).map(|_| resampled()).collect();
+    let ratios = (0..DRAWS).map(|_| resampled());
+    // Draws of blocks in which nothing is predicted have none.
+    let mut ratios: Vec<f64> = ratios.filter(|ratio| ratio.is_finite()).collect();
     ratios.sort_by(f64::total_cmp);
     ratios
 }

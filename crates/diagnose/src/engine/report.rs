@@ -52,8 +52,8 @@ impl<D: Wanders> Findings<'_, D> {
         let [before_um, after_um] =
             [self.sharp, model].map(|m| self.noise_um * rms(D::projection(m)));
         let gain = self.heldout.map(|h| Gain {
-            leave_one_station_out: self.stations_out.map(HeldOut::ratio),
-            ..h.gain(before_um, after_um, self.floor_um)
+            leave_one_station_out: self.stations_out.map(|h| h.ratio),
+            ..h.gain([before_um, after_um, self.floor_um].map(|um| um * um))
         });
         let columns = base.columns(self.sharp);
         let of_causes = D::suspects(model).iter();
@@ -61,9 +61,9 @@ impl<D: Wanders> Findings<'_, D> {
         let smooth = base.disturbances().iter();
         let smooth = smooth.map(|own| whitened_columns(base, self.sharp, own));
         let is_left = self.unexplained.is_some();
-        let misfit = |rms_um: f64, of: fn(&HeldOut) -> f64| Misfit {
+        let misfit = |rms_um: f64, k: usize| Misfit {
             rms_um,
-            heldout_rms_um: self.heldout.as_ref().map(|h| of(h) * self.noise_um),
+            heldout_rms_um: self.heldout.map(|h| h.rms()[k] * self.noise_um),
         };
         let before = D::projection(self.sharp);
         let misfits = Misfits {
@@ -79,8 +79,8 @@ impl<D: Wanders> Findings<'_, D> {
             data: self.data,
             noise_floor_um: self.floor_um,
             prediction_u_um: None,
-            before: misfit(before_um, |h| h.before),
-            after: misfit(after_um, |h| h.after),
+            before: misfit(before_um, 0),
+            after: misfit(after_um, 1),
             gain,
             shares: Shares::of_parts(before, of_causes, smooth, is_left),
             unexplained: self.unexplained,

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use trueaxis_poses::LengthCircumstances as Reading;
 
 use crate::Error;
-use crate::engine::{FOLDS, HeldOut, Sums, Wanders, sought_again, wandered_mm};
+use crate::engine::{FOLDS, HeldOut, Squares, Wanders, in_blocks, sought_again, wandered_mm};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 
@@ -25,26 +25,20 @@ const MIN_STATIONS: usize = 5;
 
 /// Predicts each fold of sweeps from the others with the noise of the final model; `None` if there are too few
 /// sweeps, or if a fold is needed to determine the rest.
-pub(crate) fn held_out_sweeps(
-    base: &Base<'_>,
-    adjusted: &Adjusted,
-) -> Result<Option<HeldOut>, Error> {
+pub(crate) fn held_out_sweeps(base: &Base<'_>, adjusted: &Adjusted) -> Option<HeldOut> {
     let sweeps = base.readings.iter().map(|r| r.sweep).max().unwrap_or(0) + 1;
     if sweeps < 2 * FOLDS {
-        return Ok(None);
+        return None;
     }
     let fold = |r: &Reading| (r.sweep_of_occupation + r.station) % FOLDS;
     held_out(base, adjusted, FOLDS, fold, |out| base.without(out))
 }
 
 /// Predicts each station's lengths from the others; `None` if there are fewer than five stations.
-pub(crate) fn held_out_stations(
-    base: &Base<'_>,
-    adjusted: &Adjusted,
-) -> Result<Option<HeldOut>, Error> {
+pub(crate) fn held_out_stations(base: &Base<'_>, adjusted: &Adjusted) -> Option<HeldOut> {
     let stations = base.scene.stations.len();
     if stations < MIN_STATIONS {
-        return Ok(None);
+        return None;
     }
     let fold = |r: &Reading| r.station;
     held_out(base, adjusted, stations, fold, |out| {
@@ -52,24 +46,19 @@ pub(crate) fn held_out_stations(
     })
 }
 
-/// The sweep of a reading, its misfit without and with the causes.
-type Misfits = (usize, f64, f64);
-
-/// Predicts each fold from the base without the fold's readings (ascending).
+/// Predicts each fold from the base without the fold's readings (ascending); `None` if one cannot be adjusted.
 fn held_out<'a>(
     base: &Base<'a>,
     adjusted: &Adjusted,
     folds: usize,
     fold_of: impl Fn(&Reading) -> usize + Sync,
     rest: impl Fn(&[usize]) -> Result<Base<'a>, Error> + Sync,
-) -> Result<Option<HeldOut>, Error> {
+) -> Option<HeldOut> {
     let noise = adjusted.network.noise;
-    let misfits = |fold: usize| -> Result<Option<Vec<Misfits>>, Error> {
+    let squares = |fold: usize| -> Result<Vec<(usize, Squares)>, Error> {
         let is_out = |i: &usize| fold_of(&base.readings[*i]) == fold;
         let out: Vec<usize> = (0..base.readings.len()).filter(is_out).collect();
-        let Ok(rest) = rest(&out) else {
-            return Ok(None);
-        };
+        let rest = rest(&out)?;
         let plain = rest.beside(Vec::new()).adjust(Vec::new(), Some(noise))?;
         let (suspects, _) = match rest.disturbances.is_empty() {
             true => sought_again(&rest, &plain, &adjusted.suspects),
@@ -92,22 +81,13 @@ fn held_out<'a>(
         // A fold holds whole visits, so it can be whitened separately.
         adjusted.whitened.whiten(&mut before);
         adjusted.whitened.whiten(&mut after);
-        let misfit = |i: usize| (base.readings[i].sweep, before[i], after[i]);
-        Ok(Some(out.into_iter().map(misfit).collect()))
-    };
-    let folds: Vec<_> = (0..folds).into_par_iter().map(misfits).collect();
-    let sweeps = base.readings.iter().map(|r| r.sweep).max().unwrap_or(0) + 1;
-    let mut sums: Vec<Sums> = vec![(0, 0.0, 0.0); sweeps];
-    for fold in folds {
-        let Some(misfits) = fold? else {
-            return Ok(None);
+        let squares = |i: usize| {
+            let [before, after] = [before[i], after[i]].map(|misfit| misfit * misfit);
+            (base.readings[i].sweep, [before, after, 1.0])
         };
-        for (sweep, before, after) in misfits {
-            let sum = &mut sums[sweep];
-            sum.0 += 1;
-            sum.1 += before * before;
-            sum.2 += after * after;
-        }
-    }
-    Ok(Some(HeldOut::of(&sums)))
+        Ok(out.into_iter().map(squares).collect())
+    };
+    let folds = (0..folds).into_par_iter().map(|fold| squares(fold).ok());
+    let folds: Vec<Vec<(usize, Squares)>> = folds.collect::<Option<_>>()?;
+    HeldOut::of(&in_blocks(folds.into_iter().flatten()))
 }

@@ -33,10 +33,9 @@ pub(crate) fn diagnose_lengths(
         mut named,
         not_observable,
     } = looked;
-    // If a fold cannot be adjusted, nothing is held out.
     let held_out_by = |model: &Competed<Base<'_>>| match model.is_plain() {
         true => None,
-        false => held_out_sweeps(&model.base, &model.search.adjusted).unwrap_or(None),
+        false => held_out_sweeps(&model.base, &model.search.adjusted),
     };
     let mut heldout = held_out_by(&named.competed);
     // Causes that predict unused data worse than nothing are not named.
@@ -68,7 +67,7 @@ pub(crate) fn diagnose_lengths(
         heldout,
         stations_out: match competed.is_plain() {
             true => None,
-            false => held_out_stations(base, current).unwrap_or(None),
+            false => held_out_stations(base, current),
         },
         tests: [before, named.after],
         unexplained: named.unexplained,

@@ -6,7 +6,7 @@
 
 use std::collections::HashSet;
 
-use crate::engine::{FOLDS, HeldOut, Sums, Suspect, Wanders, sought_again};
+use crate::engine::{FOLDS, HeldOut, Suspect, Wanders, in_blocks, sought_again};
 use crate::points::base::Base;
 use crate::points::model::{Model, NO_WEIGHT};
 
@@ -22,7 +22,7 @@ pub(crate) fn held_out(base: &Base<'_>, model: &Model, causes: &[Suspect]) -> Op
     }
     let folds = FOLDS.min(sweeps);
     let nothing = base.beside(Vec::new());
-    let mut sums: Vec<Sums> = vec![(0, 0.0, 0.0); sweeps];
+    let mut rows = Vec::new();
     for fold in 0..folds {
         let is_held = |i: usize| all[i].sweep % folds == fold;
         let stops = base.readings.stops.iter();
@@ -35,18 +35,16 @@ pub(crate) fn held_out(base: &Base<'_>, model: &Model, causes: &[Suspect]) -> Op
         };
         let kept = (0..all.len()).filter(|&i| !is_held(i));
         let known: HashSet<_> = kept.map(|i| (all[i].pose, all[i].shape)).collect();
-        for i in (0..all.len()).filter(|&i| is_held(i)) {
-            if !known.contains(&(all[i].pose, all[i].shape)) {
-                continue;
-            }
-            let sum = &mut sums[all[i].sweep];
-            sum.0 += 3;
-            for row in 3 * i..3 * i + 3 {
-                sum.1 += (plain.bare.residuals[row] / NO_WEIGHT).powi(2);
-                sum.2 += (with.residuals[row] / NO_WEIGHT).powi(2);
-            }
+        let is_known = |i: &usize| is_held(*i) && known.contains(&(all[*i].pose, all[*i].shape));
+        for i in (0..all.len()).filter(is_known) {
+            rows.extend((3 * i..3 * i + 3).map(|row| {
+                let left = [plain.bare.residuals[row], with.residuals[row]];
+                let [before, after] = left.map(|e| (e / NO_WEIGHT).powi(2));
+                (all[i].sweep, [before, after, 1.0])
+            }));
         }
     }
-    sums.retain(|sum| sum.0 > 0);
-    (sums.len() >= LEAST_SWEEPS).then(|| HeldOut::of(&sums))
+    let mut blocks = in_blocks(rows.into_iter());
+    blocks.retain(|[.., rows]| *rows > 0.0);
+    HeldOut::of(&blocks).filter(|_| blocks.len() >= LEAST_SWEEPS)
 }

@@ -16,23 +16,18 @@
 
 use trueaxis_selection::Projection;
 
-use crate::Gain;
 use crate::engine::linear::{Candidate, Chosen, LeftOut, without};
-use crate::engine::{FOLDS, resampled_ratios};
+use crate::engine::{FOLDS, HeldOut, in_blocks};
 use crate::verification::arrivals::is_same;
-use crate::verification::base::count;
 use crate::verification::comparison::Comparison;
 use crate::verification::problem::Problem;
-
-const DRAWS: usize = 2000;
-const SEED: u64 = 0x6865_6c64_5f6f_7574;
 
 /// Relative difference of squares that may be rounding.
 const EQUAL: f64 = 1e-9;
 
 /// Prediction errors of the readings, in standard deviations of an arrival.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct HeldOut {
+pub(crate) struct Predicted {
     /// For each reading; `None` where it cannot be predicted without its fold.
     pub(crate) errors: Vec<Option<f64>>,
     /// Expectation of their squares from noise alone.
@@ -60,7 +55,7 @@ pub(crate) fn pass_blocks(comparison: &Comparison<'_>) -> Vec<usize> {
 }
 
 /// Held-out errors of a model with causes.
-pub(crate) fn held_out(problem: &Problem<'_>, causes: &[Chosen]) -> HeldOut {
+pub(crate) fn held_out(problem: &Problem<'_>, causes: &[Chosen]) -> Predicted {
     // The causes as they are, and with each other value of one of the shapes.
     let mut variants = vec![causes.to_vec()];
     for (k, cause) in causes.iter().enumerate() {
@@ -74,7 +69,7 @@ pub(crate) fn held_out(problem: &Problem<'_>, causes: &[Chosen]) -> HeldOut {
     let with = |v: &Vec<Chosen>| problem.as_predicted.extended(&problem.listed.columns(v));
     let models: Vec<Projection> = variants.iter().map(with).collect();
     let readings = problem.readings();
-    let mut result = HeldOut {
+    let mut result = Predicted {
         errors: vec![None; readings],
         expected: vec![1.0; readings],
     };
@@ -117,7 +112,7 @@ pub(crate) fn other_shapes(candidate: &Candidate<'_>, shape: f64) -> impl Iterat
     shapes.filter(move |other| is_sought && !is_same(*other, shape))
 }
 
-impl HeldOut {
+impl Predicted {
     /// Root mean square, standard deviations; `None` if nothing could be held out.
     pub(crate) fn rms(&self) -> Option<f64> {
         let squares: Vec<f64> = self.errors.iter().flatten().map(|e| e * e).collect();
@@ -125,61 +120,24 @@ impl HeldOut {
     }
 }
 
-/// A gain with a bound of its ratio.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct BoundedGain {
-    pub(crate) gain: Gain,
-    /// The ratio is below this with a probability of nine in ten.
-    pub(crate) upper_bound: f64,
-}
-
-/// The gain of causes on readings that the models were not fitted to: `after` against `before`.
+/// How well causes predict readings that the models were not fitted to: `after` against `before`.
 pub(crate) fn gain(
     problem: &Problem<'_>,
-    before: &HeldOut,
-    after: &HeldOut,
-) -> Option<BoundedGain> {
-    let numbers = pass_blocks(problem.comparison);
-    let mut sums = vec![[0.0; 3]; count(&numbers)];
-    for (row, &block) in numbers.iter().enumerate() {
-        if let (Some(a), Some(b)) = (before.errors[row], after.errors[row]) {
-            sums[block][0] += a * a;
-            sums[block][1] += b * b;
-            sums[block][2] += before.expected[row];
-        }
-    }
-    gain_of_blocks(&sums)
-}
-
-/// The same from the squares of each block of readings: before, after, and expected from noise alone.
-pub(crate) fn gain_of_blocks(sums: &[[f64; 3]]) -> Option<BoundedGain> {
-    let total = |k: usize| sums.iter().map(|s| s[k]).sum::<f64>();
-    let (before, after, noise) = (total(0), total(1), total(2));
-    if before <= 0.0 {
-        return None;
-    }
-    let blocks: Vec<[f64; 2]> = sums.iter().map(|s| [s[0], s[1]]).collect();
-    let mut ratios = resampled_ratios(&blocks, DRAWS, SEED);
-    ratios.retain(|ratio| ratio.is_finite());
-    let quantile = |per_mille: usize| ratios.get(per_mille * ratios.len() / 1000).copied();
-    let excess = before - noise;
-    Some(BoundedGain {
-        gain: Gain {
-            heldout_rms_ratio: (after / before).sqrt(),
-            interval: [quantile(25)?, quantile(975)?],
-            share_of_excess_removed: if excess > 0.0 {
-                ((before - after) / excess).clamp(0.0, 1.0)
-            } else {
-                0.0
-            },
-            leave_one_station_out: None,
-        },
-        upper_bound: quantile(900)?,
-    })
+    before: &Predicted,
+    after: &Predicted,
+) -> Option<HeldOut> {
+    let blocks = pass_blocks(problem.comparison).into_iter().enumerate();
+    HeldOut::of(&in_blocks(blocks.map(|(row, block)| {
+        let squares = match (before.errors[row], after.errors[row]) {
+            (Some(a), Some(b)) => [a * a, b * b, before.expected[row]],
+            _ => [0.0; 3],
+        };
+        (block, squares)
+    })))
 }
 
 /// The gain of one cause beside the others.
-pub(crate) fn gain_of(problem: &Problem<'_>, causes: &[Chosen], k: usize) -> Option<BoundedGain> {
+pub(crate) fn gain_of(problem: &Problem<'_>, causes: &[Chosen], k: usize) -> Option<HeldOut> {
     let before = held_out(problem, &without(causes, k));
     gain(problem, &before, &held_out(problem, causes))
 }

@@ -13,12 +13,10 @@
 use trueaxis_leastsquares::dot;
 use trueaxis_selection::{Gram, add};
 
-use crate::engine::FOLDS;
 use crate::engine::linear::{Chosen, LeftOut};
+use crate::engine::{FOLDS, HeldOut, Squares};
 use crate::verification::base::count;
-use crate::verification::held_out::{
-    BoundedGain, folds, gain_of_blocks, other_shapes, pass_blocks,
-};
+use crate::verification::held_out::{folds, other_shapes, pass_blocks};
 use crate::verification::series::Series;
 use crate::verification::stack::Stack;
 
@@ -48,7 +46,7 @@ struct Sized {
 
 impl Stack<'_> {
     /// Gain of a cause with one size for all beside the others; `causes` are those of each series.
-    pub(crate) fn gain_of(&self, cause: &Chosen, causes: &[Vec<Chosen>]) -> Option<BoundedGain> {
+    pub(crate) fn gain_of(&self, cause: &Chosen, causes: &[Vec<Chosen>]) -> Option<HeldOut> {
         let candidate = &self.listed.candidates[cause.candidate];
         let shapes = std::iter::once(cause.shape).chain(other_shapes(candidate, cause.shape));
         let columns = shapes.map(|shape| candidate.columns(shape));
@@ -62,7 +60,7 @@ impl Stack<'_> {
         let showing: Vec<Beside<'_>> = showing.collect();
         let sizes: Vec<Option<Sized>> = (0..FOLDS).map(|fold| sized(&showing, fold)).collect();
         let blocks = showing.iter().flat_map(|beside| beside.blocks(&sizes));
-        gain_of_blocks(&blocks.collect::<Vec<_>>())
+        HeldOut::of(&blocks.collect::<Vec<_>>())
     }
 
     /// A series beside other causes.
@@ -93,7 +91,7 @@ impl Stack<'_> {
 
 impl Beside<'_> {
     /// The squares of each block of readings without the cause and with it; expected squares of noise are not needed.
-    fn blocks(&self, sizes: &[Option<Sized>]) -> Vec<[f64; 3]> {
+    fn blocks(&self, sizes: &[Option<Sized>]) -> Vec<Squares> {
         let blocks = pass_blocks(self.series.plain.comparison);
         let mut sums = vec![[0.0; 3]; count(&blocks)];
         for (left, sized) in self.folds.iter().zip(sizes) {

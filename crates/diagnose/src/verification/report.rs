@@ -73,7 +73,7 @@ pub(crate) fn causes(
             curve(&along_it, &sized.fit, variance, said.parameters[0].unit);
         causes.push(Cause {
             explained_rms_um: rms_of_readings_um(problem, &fitted),
-            heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),
+            heldout_gain: gain.map(|gain| 1.0 - gain.ratio.ratio),
             rivals: [
                 rival_disturbances(problem, wandering, chosen, k, judged.score.evidence),
                 problem.listed.rivals(&judged),

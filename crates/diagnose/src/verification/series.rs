@@ -9,7 +9,7 @@ use crate::said::Entry;
 use crate::verification::another_curve::another_curve;
 use crate::verification::competition::compete;
 use crate::verification::doubted::doubted;
-use crate::verification::held_out::{HeldOut, gain, held_out};
+use crate::verification::held_out::{Predicted, gain, held_out};
 use crate::verification::model::{Model, have_same, only};
 use crate::verification::omnibus::{omnibus, repeats_with_cycle};
 use crate::verification::problem::Problem;
@@ -114,9 +114,11 @@ impl<'a> Series<'a> {
         let held_after = held_out(problem, &chosen);
         let gain = gain(problem, &held_before, &held_after);
         let is_single = chosen.len() + wandering.len() == 1;
-        let gain = gain.map(|bounded| bounded.gain).filter(|_| !is_plain);
+        let gain = gain
+            .map(|held| held.gain(held.squares))
+            .filter(|_| !is_plain);
         let disturbances = wandered(problem, &courses, &after, gain.filter(|_| is_single));
-        let misfit = |problem: &Problem<'_>, causes: &[Chosen], held: &HeldOut| Misfit {
+        let misfit = |problem: &Problem<'_>, causes: &[Chosen], held: &Predicted| Misfit {
             rms_um: problem.seen_rms_um(causes),
             heldout_rms_um: held.rms().map(|rms| rms * problem.whitening.sigma_um),
         };

@@ -99,7 +99,7 @@ pub(crate) fn together(
         let cause = joint_cause(&stack, scene, (&found, k), members, variance)?;
         let gain = stack.gain_of(&found[k], &causes);
         let cause = Cause {
-            heldout_gain: gain.map(|bounded| 1.0 - bounded.gain.heldout_rms_ratio),
+            heldout_gain: gain.map(|gain| 1.0 - gain.ratio.ratio),
             sizes_p_value: Some(judged[k].p_value),
             ..cause
         };
