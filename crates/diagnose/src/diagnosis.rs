@@ -214,6 +214,24 @@ pub struct Unexplained {
 }
 
 impl Unexplained {
+    /// Found otherwise than by the omnibus tests, before its data and share are known.
+    pub(crate) fn new(
+        level: Level,
+        rms_um: f64,
+        varies_with: Vec<&'static str>,
+        note: String,
+    ) -> Self {
+        Self {
+            level,
+            data: String::new(),
+            rms_um,
+            share: 0.0,
+            varies_with,
+            is_of_tests: false,
+            note,
+        }
+    }
+
     /// Whether the repeats scatter by as much, so that their noise already contains most of it: its `share`, which
     /// counts only what exceeds that noise, is then less than a quarter of `(rms_um/before.rms_um)²`. `before` is the
     /// misfit of its level before any explanation. Only findings of the omnibus tests can be scatter.

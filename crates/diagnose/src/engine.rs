@@ -104,7 +104,7 @@ pub(crate) use ranking::{Ranking, plausible, rivals};
 pub(crate) use report::{Findings, rms};
 pub(crate) use search::{find_causes, settle};
 pub(crate) use smooth::{Posterior, SMOOTH_LEVEL, Smooth, beside_all, correlation_lengths};
-pub(crate) use unseen::{in_words, length_scale, unseen, untested, without_trace};
+pub(crate) use unseen::{in_words, unseen, untested, without_trace};
 pub(crate) use wandered::{Coefficients, wandered};
 pub(crate) use wandering::{JudgedDisturbance, Wandering, instead_of_cause, sought};
 pub(crate) use wanders::{Wanders, wandered_mm, whitened_columns};

@@ -206,14 +206,10 @@ fn unexplained(p_value: f64, rms_um: f64, sigma_um: f64, share: Option<f64>) -> 
         ),
         Some(_) => format!("varies with run: a small remainder, probability {p_value:.0e}"),
     };
+    let rms_um = (rms_um.powi(2) - sigma_um.powi(2)).max(0.0).sqrt();
     Unexplained {
-        level: Level::Lengths,
-        data: String::new(),
-        rms_um: (rms_um.powi(2) - sigma_um.powi(2)).max(0.0).sqrt(),
-        share: 0.0,
         is_of_tests: true,
-        varies_with: vec!["run"],
-        note,
+        ..Unexplained::new(Level::Lengths, rms_um, vec!["run"], note)
     }
 }
 

@@ -98,14 +98,11 @@ pub(crate) fn unexplained(
     let clear = || after.iter().filter(|t| t.is_clear());
     let excess = clear().map(|t| t.excess).fold(0.0, f64::max);
     let varies_with: Vec<&'static str> = clear().map(|t| t.test.varies_with).collect();
+    let rms_um = rms_um * (excess / projection.degrees_of_freedom).sqrt().min(1.0);
+    let note = format!("varies with {}", varies_with.join(" and "));
     Unexplained {
-        level,
-        data: String::new(),
-        rms_um: rms_um * (excess / projection.degrees_of_freedom).sqrt().min(1.0),
-        share: 0.0,
         is_of_tests: true,
-        note: format!("varies with {}", varies_with.join(" and ")),
-        varies_with,
+        ..Unexplained::new(level, rms_um, varies_with, note)
     }
 }
 

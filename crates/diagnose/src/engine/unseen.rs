@@ -1,25 +1,26 @@
 //! Effects that data cannot show. They may still be there.
 
 use trueaxis_campaign::Campaign;
-use trueaxis_effects::{Effect, Level, Scene, Subject, effect};
+use trueaxis_effects::{Effect, Level, Scene, Subject};
 use trueaxis_selection::Hypothesis;
 
 use crate::NotObservable;
 use crate::engine::{is_tested, of_catalogue};
 
-/// An effect that the data cannot show, with the effect of a unit of it on one result; the measurement to make is the
-/// one that distinguishes it from its rivals.
-pub(crate) fn unseen(
+/// An effect that the data cannot show, with the effect of a unit of it on results; the measurement to make is the one
+/// that distinguishes it from its rivals.
+pub(crate) fn unseen<S: Into<String>>(
     effect: &Effect,
     subject: String,
-    reason: &str,
-    (result, bias): (&str, &str),
+    reason: impl Into<String>,
+    bias_per_unit: impl IntoIterator<Item = (S, S)>,
 ) -> NotObservable {
+    let bias = bias_per_unit.into_iter();
     NotObservable {
         effect: effect.id,
         subject,
-        reason: reason.to_owned(),
-        bias_per_unit: vec![(result.to_owned(), bias.to_owned())],
+        reason: reason.into(),
+        bias_per_unit: bias.map(|(of, by)| (of.into(), by.into())).collect(),
         measure: effect.explanation.separate_by.to_owned(),
     }
 }
@@ -38,7 +39,7 @@ pub(crate) fn without_trace(
             name => name,
         });
         let names: Vec<String> = names.collect();
-        let bias = ("calibration", effect.explanation.consequence);
+        let bias = [("calibration", effect.explanation.consequence)];
         let unseen = unseen(effect, names.join(", "), reason(effect), bias);
         match effect.is_lost_motion() {
             true => NotObservable {
@@ -61,15 +62,6 @@ pub(crate) fn untested(level: Level, campaign: &Campaign, scene: &Scene) -> Vec<
         ..unseen
     });
     said.collect()
-}
-
-/// The scale of the instrument, with which everything stretches.
-pub(crate) fn length_scale(reason: &str, bias: Vec<(String, String)>) -> Option<NotObservable> {
-    let unseen = unseen(effect("length_scale")?, String::new(), reason, ("", ""));
-    Some(NotObservable {
-        bias_per_unit: bias,
-        ..unseen
-    })
 }
 
 /// The name of a subject, such as `station S2` or `axis X, target P`.

@@ -5,7 +5,7 @@ use trueaxis_kinematics::AxisKind;
 use trueaxis_selection::Hypothesis;
 
 use crate::NotObservable;
-use crate::engine::{length_scale, unseen, without_trace};
+use crate::engine::{unseen, without_trace};
 
 /// An effect that is an unknown of the adjustment.
 const REFLECTOR_OFFSET: &str = "reflector_offset";
@@ -20,14 +20,15 @@ pub(crate) fn not_observable(scene: &Scene, unseen_here: &[Hypothesis]) -> Vec<N
         (name, "1 um per m per ppm".to_owned())
     });
     let why = "stations and points stretch with the lengths, so that all of them still fit";
-    let mut list = Vec::from_iter(length_scale(why, of_scale.collect()));
+    let scale = effect("length_scale").map(|scale| unseen(scale, String::new(), why, of_scale));
+    let mut list = Vec::from_iter(scale);
     list.extend(effect("dead_path_offset").map(|effect| NotObservable {
         measure: "not needed: it does no harm".to_owned(),
         ..unseen(
             effect,
             String::new(),
             "the dead path of each station is unknown and takes it up",
-            ("dead path", "1 um per um; no error of the machine"),
+            [("dead path", "1 um per um; no error of the machine")],
         )
     }));
     list.extend(without_trace(scene, unseen_here, |effect| match effect.shape {
@@ -55,7 +56,7 @@ fn thermal_growth(scene: &Scene) -> Option<NotObservable> {
     let effect = effect("thermal_growth").filter(|_| !is_logged(Medium::Machine))?;
     let why = "no temperature of the machine is logged with the lengths: what grows with one is seen as a drift in \
                time, if at all";
-    let bias = ("calibration", effect.explanation.consequence);
+    let bias = [("calibration", effect.explanation.consequence)];
     Some(NotObservable {
         measure: "log temperatures of the machine with the lengths (columns machine_temp_<name>_c)"
             .to_owned(),
@@ -73,7 +74,7 @@ fn absorbed_by_poses(scene: &Scene) -> Vec<NotObservable> {
     };
     let why = "the pose of every step is free in the adjustment, so it is in the calibrated curves and does not \
                contradict the lengths; verification readings can show it";
-    let bias = ("component errors", "1 um per um, as part of the curve");
+    let bias = [("component errors", "1 um per um, as part of the curve")];
     let all = catalogue().iter().filter(is_of_pose);
     all.map(|effect| unseen(effect, String::new(), why, bias))
         .collect()

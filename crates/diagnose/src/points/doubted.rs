@@ -59,18 +59,17 @@ pub(crate) fn doubted(
     }
     let lines = far.iter().map(|point| all[*point].line);
     let squares: f64 = far.iter().map(|point| lengths[*point].powi(2)).sum();
-    Some(Unexplained {
-        level: Level::Points,
-        data: String::new(),
-        rms_um: noise_um * (squares / (3 * all.len()) as f64).sqrt(),
-        share: 0.0,
-        is_of_tests: false,
-        varies_with: vec!["reading"],
-        note: format!(
-            "in {} of {} stops a point is far off, too many or too close together to leave out: {}",
-            far.len(),
-            base.readings.stops.len(),
-            first_lines(lines)
-        ),
-    })
+    let rms_um = noise_um * (squares / (3 * all.len()) as f64).sqrt();
+    let note = format!(
+        "in {} of {} stops a point is far off, too many or too close together to leave out: {}",
+        far.len(),
+        base.readings.stops.len(),
+        first_lines(lines)
+    );
+    Some(Unexplained::new(
+        Level::Points,
+        rms_um,
+        vec!["reading"],
+        note,
+    ))
 }

@@ -57,6 +57,9 @@ pub(crate) fn contradicting_runs(calibration: &Calibration) -> Option<Entry> {
     };
     let said: Vec<&str> = tests.iter().filter_map(|t| t.detail.as_deref()).collect();
     let said = said.join("; ");
+    let note = format!(
+        "{said}: the instrument or its frame was moved between runs, the machine shifted, or one axis moves another"
+    );
     Some(Entry {
         causes: Vec::new(),
         disturbances: Vec::new(),
@@ -74,17 +77,7 @@ pub(crate) fn contradicting_runs(calibration: &Calibration) -> Option<Entry> {
                 unexplained: 1.0 - noise,
                 noise,
             },
-            unexplained: Some(Unexplained {
-                level: Level::Points,
-                data: String::new(),
-                rms_um,
-                share: 0.0,
-                is_of_tests: false,
-                varies_with: vec!["run"],
-                note: format!(
-                    "{said}: the instrument or its frame was moved between runs, the machine shifted, or one axis moves another"
-                ),
-            }),
+            unexplained: Some(Unexplained::new(Level::Points, rms_um, vec!["run"], note)),
             tests: tests.clone(),
             tests_after: tests,
             places: Vec::new(),

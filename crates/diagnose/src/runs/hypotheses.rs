@@ -74,6 +74,6 @@ pub(super) fn not_observable(scene: &Scene, listed: &Listed) -> Option<NotObserv
         .map(|candidate| in_words(&candidate.hypothesis.subject, scene))
         .collect();
     let why = "no axis was measured twice with another one parked elsewhere, so that the curves take all of it, or a part";
-    let bias = ("calibration", CROSS_COUPLING.explanation.consequence);
+    let bias = [("calibration", CROSS_COUPLING.explanation.consequence)];
     (!subjects.is_empty()).then(|| unseen(CROSS_COUPLING, subjects.join("; "), why, bias))
 }

@@ -42,16 +42,12 @@ pub(crate) fn another_curve(
     } = Omnibus::of(&curve, &straight).test;
     let is_tested = columns > 0 && (columns as f64) < straight.degrees_of_freedom;
     let explained = || Fit::new(&straight, &curve.columns).explained;
-    (is_tested && p_value < problem.level).then(|| Unexplained {
-        level: Level::Verification,
-        data: String::new(),
-        rms_um: rms_of_readings_um(problem, &explained()),
-        share: 0.0,
-        is_of_tests: false,
-        varies_with: vec!["time", "position"],
-        note: "after the jump the curve along the axis is another one, which no shift of the machine or of the instrument makes: see \
+    (is_tested && p_value < problem.level).then(|| {
+        let rms_um = rms_of_readings_um(problem, &explained());
+        let note = "after the jump the curve along the axis is another one, which no shift of the machine or of the instrument makes: see \
                whether an encoder, its reading head or the optics were exchanged, aligned or set anew meanwhile, and diagnose the readings \
-               before and after it apart"
-            .to_owned(),
+               before and after it apart";
+        let varies_with = vec!["time", "position"];
+        Unexplained::new(Level::Verification, rms_um, varies_with, note.to_owned())
     })
 }

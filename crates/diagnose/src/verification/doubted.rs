@@ -95,20 +95,20 @@ pub(crate) fn doubted(problem: &Problem<'_>, after: &Projection) -> Option<Unexp
     let sizes = || far.iter().map(|(_, off)| off.abs());
     let [least, largest] = extremes(sizes());
     let lines = far.iter().map(|(row, _)| comparison.arrivals[*row].line);
-    Some(Unexplained {
-        level: Level::Verification,
-        data: String::new(),
-        rms_um: (sizes().map(|off| off * off).sum::<f64>() / readings as f64).sqrt(),
-        share: 0.0,
-        is_of_tests: false,
-        varies_with: vec!["reading"],
-        note: format!(
-            "{} of {readings} readings are off by {least:.1} to {largest:.1} µm against the others of their position, too many to leave out: \
-             {}",
-            far.len(),
-            first_lines(lines)
-        ),
-    })
+    let rms_um = (sizes().map(|off| off * off).sum::<f64>() / readings as f64).sqrt();
+    let note = format!(
+        "{} of {readings} readings are off by {least:.1} to {largest:.1} µm against the others of their position, too many to leave out: \
+         {}",
+        far.len(),
+        first_lines(lines)
+    );
+    let varies_with = vec!["reading"];
+    Some(Unexplained::new(
+        Level::Verification,
+        rms_um,
+        varies_with,
+        note,
+    ))
 }
 
 /// Number of sides: sets of cells that no pass connects.

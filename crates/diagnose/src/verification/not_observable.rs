@@ -4,7 +4,7 @@ use trueaxis_effects::{Effect, Parameter, Scene, Shape, Subject};
 use trueaxis_files::round;
 
 use crate::NotObservable;
-use crate::engine::in_words;
+use crate::engine::{in_words, unseen};
 use crate::verification::base::absorbed;
 use crate::verification::hypotheses::{is_of_both_sides, sampling};
 use crate::verification::problem::Problem;
@@ -35,13 +35,8 @@ pub(crate) fn not_observable(
             let absorbed = absorbed(problem.comparison, problem.calibrated);
             format!("{absorbed} absorbs all that it does")
         };
-        all.push(NotObservable {
-            effect: effect.id,
-            subject: in_words(&subject, scene),
-            reason: format!("{name}: {why}"),
-            bias_per_unit: bias,
-            measure: effect.explanation.separate_by.to_owned(),
-        });
+        let reason = format!("{name}: {why}");
+        all.push(unseen(effect, in_words(&subject, scene), reason, bias));
     }
     all
 }
@@ -92,17 +87,15 @@ fn too_short(
     let axis = subject.axis.filter(|_| effect.shape == Shape::Period)?;
     let [_, step] = sampling(problem.comparison, axis)?;
     let kind = scene.machine.axes()[axis].kind();
+    let reason = format!(
+        "{name}: periods below {} {}, two steps of the readings",
+        round(2.0 * kind.position_in_file(step), 4),
+        kind.position_unit()
+    );
+    let measure =
+        "read a short stretch in steps of a tenth of the screw pitch or of the grating period";
     Some(NotObservable {
-        effect: effect.id,
-        subject: in_words(subject, scene),
-        reason: format!(
-            "{name}: periods below {} {}, two steps of the readings",
-            round(2.0 * kind.position_in_file(step), 4),
-            kind.position_unit()
-        ),
-        bias_per_unit: Vec::new(),
-        measure:
-            "read a short stretch in steps of a tenth of the screw pitch or of the grating period"
-                .to_owned(),
+        measure: measure.to_owned(),
+        ..unseen::<String>(effect, in_words(subject, scene), reason, [])
     })
 }

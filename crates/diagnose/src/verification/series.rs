@@ -155,18 +155,14 @@ fn impossible(problem: &Problem<'_>) -> Option<Unexplained> {
         _ => vec!["position"],
     };
     let is_clear = beside.is_significant(best, problem.level);
-    is_clear.then(|| Unexplained {
-        level: Level::Verification,
-        data: String::new(),
-        rms_um: problem.slow_rms_um(best.statistic),
-        share: 0.0,
-        is_of_tests: false,
-        note: format!(
+    is_clear.then(|| {
+        let note = format!(
             "it varies with {} as {} does, but by more than on any machine",
             varies_with.join(" and "),
             own.effect.id.replace('_', " ")
-        ),
-        varies_with,
+        );
+        let rms_um = problem.slow_rms_um(best.statistic);
+        Unexplained::new(Level::Verification, rms_um, varies_with, note)
     })
 }
 
@@ -230,13 +226,9 @@ fn unexplained(
         }
         None => format!("it varies with {}", varies_with.join(" and ")),
     };
+    let rms_um = problem.slow_rms_um(excess);
     Some(Unexplained {
-        level: Level::Verification,
-        data: String::new(),
-        rms_um: problem.slow_rms_um(excess),
-        share: 0.0,
         is_of_tests: true,
-        note,
-        varies_with,
+        ..Unexplained::new(Level::Verification, rms_um, varies_with, note)
     })
 }
