@@ -81,10 +81,10 @@ mod wandered;
 mod wandering;
 mod wanders;
 
-pub(crate) use accidents::{first_lines, most};
+pub(crate) use accidents::{ACCIDENT_LEVEL, LEAST_OTHERS, Tested, first_lines, most};
 pub(crate) use between::golden_section;
 pub(crate) use competition::{
-    Candidates, Competed, add_rival_disturbances, compete, only_wandering, settled,
+    Candidates, Competed, PART, add_rival_disturbances, compete, only_wandering, price, settled,
 };
 pub(crate) use culprit::{Culprit, Culprits};
 pub(crate) use estimated::{ByShape, cause, derivative, with_uncertainties};
@@ -95,8 +95,8 @@ pub(crate) use hypotheses::{
 };
 pub(crate) use measured::{Found, Measured, Suspect, are_two};
 pub(crate) use omnibus::{
-    Family, MOST_OF_FREEDOM, OMNIBUS_LEVEL, Omnibus, family_wise, is_imitation, still_left,
-    unexplained, waves_of,
+    Family, MOST_OF_FREEDOM, OMNIBUS_LEVEL, Omnibus, is_imitation, still_left, unexplained,
+    waves_of,
 };
 pub(crate) use opposed::{are_opposed, fitted_effects};
 pub(crate) use places::{Misfits, side};

@@ -140,7 +140,7 @@ pub(crate) fn add_rival_disturbances<D: Wanders>(competed: &mut Competed<D>) -> 
 }
 
 /// A cause is only part of a disturbance if this share of what it explains is left to a disturbance of the same thing.
-const PART: f64 = 0.1;
+pub(crate) const PART: f64 = 0.1;
 
 /// The model without causes that do not describe the motion of what they blame.
 fn described<D: Wanders>(
@@ -219,9 +219,8 @@ fn charged<D: Wanders>(
     causes: &[Found],
     wandering: &[JudgedDisturbance],
 ) -> f64 {
-    let names = causes.len() + 2 * wandering.len();
     let (mut evidence, projection) = of_wandering(base, plain, wandering);
-    evidence -= DECISIVE * names.saturating_sub(1) as f64;
+    evidence -= price(causes.len(), wandering);
     let mut adjusted = D::with(plain, projection);
     for found in causes {
         let hypothesis = found.suspect.hypothesis;
@@ -234,6 +233,12 @@ fn charged<D: Wanders>(
         }
     }
     evidence
+}
+
+/// The price of every further name than one: what can take any course costs twice that of an effect.
+pub(crate) fn price(effects: usize, wandering: &[JudgedDisturbance]) -> f64 {
+    let names = effects + 2 * wandering.len();
+    DECISIVE * names.saturating_sub(1) as f64
 }
 
 /// The model with these disturbances alone.

@@ -1,7 +1,8 @@
 //! Whether anything at all is left in the residuals, and what it varies with.
 //!
 //! Each test adds smooth functions of a quantity to the model, projects them like the residuals, and applies the F test to what they
-//! explain: its null distribution is exact for normal noise. Several tests share their level (Bonferroni).
+//! explain: its null distribution is exact for normal noise. The p-value of several tests is that of the smallest of as many independent ones
+//! (Šidák 1967), which is too large, if anything, for tests that share the noise.
 
 use std::collections::BTreeSet;
 
@@ -76,7 +77,8 @@ impl Omnibus {
         all.into_iter().map(|omnibus| omnibus.test).collect()
     }
 
-    /// The tests of several families, each taking at most the share `part` of the degrees of freedom.
+    /// The tests of several families, each taking at most the share `part` of the degrees of freedom, with family-wise
+    /// p-values.
     pub(crate) fn of_all(projection: &Projection, families: &[Family], part: f64) -> Vec<Self> {
         let most = part * projection.degrees_of_freedom;
         let taken = projection.rows() as f64 - projection.degrees_of_freedom;
@@ -84,6 +86,11 @@ impl Omnibus {
         let tests = families.par_iter().filter(may_do);
         let mut tests: Vec<Self> = tests.map(|f| Self::of(f, projection)).collect();
         tests.retain(|o| o.test.columns > 0 && o.test.columns as f64 <= most);
+        let count = tests.len() as f64;
+        for Self { test, .. } in &mut tests {
+            // 1 - (1 - p)^m without losing small p.
+            test.p_value = -(count * (-test.p_value).ln_1p()).exp_m1();
+        }
         tests
     }
 }
@@ -104,15 +111,6 @@ pub(crate) fn unexplained(
         is_of_tests: true,
         ..Unexplained::new(level, rms_um, varies_with, note)
     }
-}
-
-/// The tests with family-wise p-values.
-pub(crate) fn family_wise(mut tests: Vec<Omnibus>) -> Vec<Omnibus> {
-    let count = tests.len() as f64;
-    for omnibus in &mut tests {
-        omnibus.test.p_value = (count * omnibus.test.p_value).min(1.0);
-    }
-    tests
 }
 
 /// Half waves of a quantity in each group of rows: `cos(kπx)`, `k` up to `most`, from 0 (a constant) if

@@ -7,7 +7,7 @@ use trueaxis_selection::Projection;
 
 use crate::Error;
 use crate::engine::coordinate::Coordinate;
-use crate::engine::disturbance::{Disturbance, Here, Wanderer, With};
+use crate::engine::disturbance::{Disturbance, Here, Wanderer, Who, With};
 use crate::engine::smooth::{SMOOTH_LEVEL, Smooth, beside_all};
 use crate::engine::wandering::{JudgedDisturbance, Wandering};
 use crate::engine::{Measured, Suspect};
@@ -17,8 +17,8 @@ pub(crate) trait Wanders: Measured + Clone + Send {
     /// Rows of a reading.
     const ROWS: usize;
 
-    /// All wanderers that these data may show.
-    fn wanderers(&self) -> Vec<Wanderer>;
+    /// All that may wander in these data, and with what.
+    fn wanderers(&self) -> Vec<(Who, With)>;
 
     /// Another wanderer with the same columns, if there is one.
     fn twin(&self, wanderer: Wanderer) -> Option<Wanderer>;
@@ -69,10 +69,11 @@ const WAYS_TO_CHANGE: f64 = 2.0;
 
 impl<'b, D: Wanders> Beside<'b, D> {
     pub(crate) fn new(base: &'b D, suspects: &'b [Suspect]) -> Self {
+        let all = base.wanderers().into_iter();
         Self {
             base,
             suspects,
-            all: base.wanderers(),
+            all: all.map(|(who, with)| Wanderer::new(who, with)).collect(),
         }
     }
 }

@@ -17,7 +17,7 @@ use crate::lengths::omnibus::travelled;
 impl Wanders for Base<'_> {
     const ROWS: usize = 1;
 
-    fn wanderers(&self) -> Vec<Wanderer> {
+    fn wanderers(&self) -> Vec<(Who, With)> {
         let scene = &self.scene;
         let mut all = vec![(Who::Machine, With::Occupation)];
         if scene.has_bed_targets() {
@@ -32,10 +32,7 @@ impl Wanders for Base<'_> {
             let mut readings = self.readings.iter();
             readings.any(|r| r.axis == axis && r.sign() * side > 0.0)
         }));
-        let wanderers = all.into_iter();
-        wanderers
-            .map(|(who, with)| Wanderer::new(who, with))
-            .collect()
+        all
     }
 
     fn twin(&self, wanderer: Wanderer) -> Option<Wanderer> {

@@ -10,7 +10,7 @@
 use rayon::prelude::*;
 use trueaxis_poses::LengthCircumstances as Reading;
 
-use crate::engine::{Family, Omnibus, family_wise, waves_of};
+use crate::engine::{Family, Omnibus, waves_of};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 
@@ -61,7 +61,7 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
         }
     });
     let families: Vec<Family> = whitened.collect();
-    family_wise(Omnibus::of_all(&adjusted.projection, &families, 1.0))
+    Omnibus::of_all(&adjusted.projection, &families, 1.0)
 }
 
 /// Position of an axis in its travel, 0 to 1.

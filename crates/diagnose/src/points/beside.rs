@@ -15,16 +15,13 @@ use crate::points::readings::Reading;
 impl Wanders for Base<'_> {
     const ROWS: usize = 3;
 
-    fn wanderers(&self) -> Vec<Wanderer> {
+    fn wanderers(&self) -> Vec<(Who, With)> {
         let mut all = vec![(Who::Machine, With::Campaign), (Who::Frame, With::Campaign)];
         all.extend(targets_and_axes(self.scene, |axis, side| {
             let mut readings = self.readings.all.iter();
             readings.any(|r| r.axis == Some(axis) && r.side * side > 0.0)
         }));
-        let wanderers = all.into_iter();
-        wanderers
-            .map(|(who, with)| Wanderer::new(who, with))
-            .collect()
+        all
     }
 
     /// A displacement of the frame without rotation is an opposite displacement of the machine.

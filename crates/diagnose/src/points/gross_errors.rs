@@ -1,28 +1,21 @@
 //! Points that contradict all others, such as a wrong target or a slip of the pen.
 //!
-//! With the three columns `X` of one point in the model, the drop of the squares is tested against what the other
-//! points leave (externally studentised; Cook and Weisberg 1982):
-//!
-//! ```text
-//! T = sᵀ G⁻¹ s      s = Xᵀ e      G = Xᵀ M X      F(rank, ν - rank)
-//! ```
+//! The three columns of one point are tested against what the other points leave ([`Tested`]).
 //!
 //! A stop whose points are all off by the same (the machine had not arrived, or was leant on) is tested as one, with
 //! three columns for all its points. More than a few, or several consecutive ones of one target, are structure and
 //! stay. Where two of one step explain the contradiction equally, nothing shows which is wrong, and both leave.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use trueaxis_campaign::Points;
-use trueaxis_selection::{Gram, ln_f_test};
+use trueaxis_leastsquares::dot;
+use trueaxis_selection::Gram;
 
 use crate::Rejected;
-use crate::engine::most;
+use crate::engine::{ACCIDENT_LEVEL, LEAST_OTHERS, Tested, most};
 use crate::points::base::Base;
 use crate::points::model::{Model, left_of};
 use crate::points::readings::Reading;
-
-/// Probability of leaving out any point if all are right.
-const LEVEL: f64 = 1e-4;
 
 /// Share of the points that may be wrong, and at least one.
 pub(crate) const MOST: f64 = 0.03;
@@ -102,9 +95,9 @@ impl Wrong {
 /// The points that stand out in what a model leaves, at once; the rest must be adjusted again.
 pub(crate) fn stand_out(base: &Base<'_>, model: &Model) -> Vec<Gross> {
     let projection = &model.projection;
-    let (squares, freedom) = (projection.squares(), projection.degrees_of_freedom);
+    let left = (projection.squares(), projection.degrees_of_freedom);
     let tests = base.readings.all.len() + base.readings.stops.len();
-    let limit = (LEVEL / tests as f64).ln();
+    let limit = (ACCIDENT_LEVEL / tests as f64).ln();
     let mut found: Vec<Gross> = Vec::new();
     for (stop_number, stop) in base.readings.stops.iter().enumerate() {
         let points = &base.readings.all[stop.clone()];
@@ -122,32 +115,24 @@ pub(crate) fn stand_out(base: &Base<'_>, model: &Model) -> Vec<Gross> {
             };
             let columns: Vec<Vec<f64>> = (0..3).map(column).collect();
             let first = 3 * stop.start;
-            let along = |column: &Vec<f64>| -> f64 {
-                let own = column.iter().zip(&projection.residuals[first..]);
-                own.map(|(x, e)| x * e).sum()
-            };
-            let s: Vec<f64> = columns.iter().map(along).collect();
-            let before: Vec<f64> = columns
-                .iter()
-                .map(|c| c.iter().map(|x| x * x).sum())
-                .collect();
+            let residuals = &projection.residuals[first..first + 3 * stop.len()];
+            let s: Vec<f64> = columns.iter().map(|c| dot(c, residuals)).collect();
+            let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
             let gram = Gram::new(&left_of(projection, first, &columns), &before);
-            let statistic = gram.statistic(&s);
-            if freedom - (gram.rank() as f64) < LEAST_DEGREES_OF_FREEDOM
-                || ln_f_test(statistic, squares, gram.rank(), freedom) > limit
-            {
+            let tested = Tested::new(left, (&gram, &s), 0.0);
+            let others = left.1 - gram.rank() as f64;
+            if others < LEAST_OTHERS || tested.ln_p > limit {
                 continue;
             }
-            let error = Vector3::from_column_slice(&gram.estimates(&s));
-            let covariance = nalgebra::Matrix3::from_column_slice(&gram.covariance());
+            let error = Vector3::from_column_slice(&tested.errors);
+            let covariance = Matrix3::from_column_slice(&tested.covariance);
             let unit = error.normalize();
-            let rest = (squares - statistic) / (freedom - gram.rank() as f64);
             found.push(Gross {
                 stop: stop_number,
                 step: points[0].step,
-                statistic,
+                statistic: tested.drop,
                 error_um: 1e3 * error.norm(),
-                u_um: 1e3 * (rest * unit.dot(&(covariance * unit))).max(0.0).sqrt(),
+                u_um: 1e3 * unit.dot(&(covariance * unit)).max(0.0).sqrt(),
                 is_alone: true,
                 points: wrong.map(|i| Wrong::of(&base.readings.all[i])).collect(),
             });
@@ -155,9 +140,6 @@ pub(crate) fn stand_out(base: &Base<'_>, model: &Model) -> Vec<Gross> {
     }
     first_of_steps(found)
 }
-
-/// Fewest degrees of freedom of the rest; with fewer, nothing exceeds the limit.
-const LEAST_DEGREES_OF_FREEDOM: f64 = 5.0;
 
 /// The largest of each step, unless it is much smaller than the largest of all, with those nearly as large.
 fn first_of_steps(mut found: Vec<Gross>) -> Vec<Gross> {

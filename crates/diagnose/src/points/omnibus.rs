@@ -9,7 +9,7 @@
 
 use nalgebra::Vector3;
 
-use crate::engine::{Family, MOST_OF_FREEDOM, Omnibus, family_wise, waves_of};
+use crate::engine::{Family, MOST_OF_FREEDOM, Omnibus, waves_of};
 use crate::extremes::extremes;
 use crate::points::base::Base;
 use crate::points::model::Model;
@@ -73,11 +73,7 @@ pub(crate) fn families(base: &Base<'_>, model: &Model) -> Vec<Family> {
 
 /// The tests of what a model leaves.
 pub(crate) fn omnibus(model: &Model, families: &[Family]) -> Vec<Omnibus> {
-    family_wise(Omnibus::of_all(
-        &model.projection,
-        families,
-        MOST_OF_FREEDOM,
-    ))
+    Omnibus::of_all(&model.projection, families, MOST_OF_FREEDOM)
 }
 
 /// Range of the positions at which an axis was measured, mm or rad.

@@ -4,16 +4,13 @@ use trueaxis_effects::Shape;
 use trueaxis_leastsquares::dot;
 use trueaxis_selection::combined;
 
-use crate::engine::JudgedDisturbance;
 use crate::engine::disturbance::With;
 use crate::engine::linear::{Among, without};
+use crate::engine::{JudgedDisturbance, PART};
 use crate::verification::model::{Model, only};
 use crate::verification::problem::Problem;
 use crate::verification::wanderer::is_course_of;
 use crate::verification::wandering::wandering;
-
-/// A cause in time is only a part of a disturbance if the disturbance takes this share of what it explains.
-const PART: f64 = 0.1;
 
 /// A wave along an axis whose curve wanders with position is a remainder of the curve if it explains less than this
 /// share of it or is longer than this share of the correlation length: the curve may take this course by itself.

@@ -2,7 +2,7 @@
 //!
 //! Against the model that leaves nothing but scatter (each position and side has a mean, each pass an offset,
 //! [`scatter`]) every arrival, and every two consecutive ones, are tested with the residuals of the others
-//! ([`Tested`]), those that stand out most first (externally studentised residuals; Cook and Weisberg 1982, ch. 2).
+//! ([`Slips`]), those that stand out most first.
 //! Two consecutive ones are tested together because each hides the other. Slips of one size hide each other wherever
 //! they are, so the search goes on after one that is not clear, and what came before the last clear one counts, too
 //! (Rosner 1983, generalised extreme studentised deviates). Each is then judged beside all others. Three consecutive
@@ -13,16 +13,13 @@
 use trueaxis_campaign::Verification;
 use trueaxis_selection::Projection;
 
-use crate::engine::most;
+use crate::engine::{ACCIDENT_LEVEL, LEAST_OTHERS, most};
 use crate::verification::base::{cells, passes, sizes};
 use crate::verification::comparison::Comparison;
 use crate::verification::doubted::{far_off, mistakes};
 use crate::verification::gross_error::{Contradicts, GrossError};
 use crate::verification::noise_floor::scatter;
-use crate::verification::tested::{Slip, Tested};
-
-/// Probability of leaving out anything from readings that are in order, for each file.
-pub(crate) const LEVEL: f64 = 1e-4;
+use crate::verification::tested::{Slip, Slips};
 
 /// p-value of the arrival that stands out most, above which no others are sought behind it: of `k` slips of one size
 /// the first has `F > ν/k`, which is 16 where they are 3 % of readings that were repeated once.
@@ -38,9 +35,6 @@ pub(crate) const MOST_IN_A_ROW: usize = 2;
 /// are at most one in ten.
 const PLAINLY: f64 = 20.0;
 const ONE_IN: usize = 10;
-
-/// With fewer, Student's limit is beyond anything.
-pub(crate) const LEAST_DEGREES_OF_FREEDOM: f64 = 5.0;
 
 /// Share of the largest drop of the sum of squares from which on another one is alike.
 const ALIKE: f64 = 0.81;
@@ -159,7 +153,7 @@ impl Screen<'_> {
         let judged = (0..arrivals.len()).filter_map(|k| {
             let others = [&arrivals[..k], &arrivals[k + 1..]].concat();
             let left = beside(&self.model, &others);
-            let tested = Tested::new(&left, &[arrivals[k]], self.resolution_um)?;
+            let tested = Slips::new(&left, &[arrivals[k]], self.resolution_um)?;
             self.is_clear(&tested).then_some(tested.slips)
         });
         Some(judged.flatten().collect())
@@ -171,10 +165,10 @@ impl Screen<'_> {
         let are_few = ONE_IN * arrivals.len() <= self.comparison.arrivals.len();
         let are_alone = arrivals.windows(2).all(|two| two[0] + 1 < two[1]);
         let left = self.model.degrees_of_freedom - arrivals.len() as f64;
-        if !are_few || !are_alone || left < LEAST_DEGREES_OF_FREEDOM {
+        if !are_few || !are_alone || left < LEAST_OTHERS {
             return None;
         }
-        let slips = Tested::new(&self.model, &arrivals, self.resolution_um)?.slips;
+        let slips = Slips::new(&self.model, &arrivals, self.resolution_um)?.slips;
         let is_plain = |slip: &Slip| slip.error_um.abs() > PLAINLY * slip.u_um;
         slips.iter().all(is_plain).then_some(slips)
     }
@@ -205,24 +199,24 @@ impl Screen<'_> {
     }
 
     /// Whether noise has none like them.
-    fn is_clear(&self, tested: &Tested) -> bool {
-        tested.ln_p < (LEVEL / self.comparison.arrivals.len() as f64).ln()
+    fn is_clear(&self, tested: &Slips) -> bool {
+        tested.ln_p < (ACCIDENT_LEVEL / self.comparison.arrivals.len() as f64).ln()
     }
 
     /// All runs of this many consecutive arrivals, those that stand out most first.
-    fn tested(&self, left: &Projection, length: usize) -> Vec<Tested> {
+    fn tested(&self, left: &Projection, length: usize) -> Vec<Slips> {
         let all = (0..=self.comparison.arrivals.len() - length).filter_map(|first| {
             let arrivals: Vec<usize> = (first..first + length).collect();
-            Tested::new(left, &arrivals, self.resolution_um)
+            Slips::new(left, &arrivals, self.resolution_um)
         });
-        let mut all: Vec<Tested> = all.collect();
+        let mut all: Vec<Slips> = all.collect();
         all.sort_by(|a, b| b.drop.total_cmp(&a.drop));
         all
     }
 
     /// The arrival, or the two consecutive ones, that stand out most, if others may be behind it.
-    fn largest(&self, left: &Projection) -> Option<Tested> {
-        if left.degrees_of_freedom - 2.0 < LEAST_DEGREES_OF_FREEDOM {
+    fn largest(&self, left: &Projection) -> Option<Slips> {
+        if left.degrees_of_freedom - 2.0 < LEAST_OTHERS {
             return None;
         }
         let first = |length| self.tested(left, length).into_iter().next();
@@ -238,7 +232,7 @@ impl Screen<'_> {
 
     /// Other arrivals that explain nearly as much beside all others that stand out (`found`): only how far they are
     /// `off` the means of their positions can then show which are wrong. `None` if they cannot be tested.
-    fn rivals(&self, row: &[Slip], off: &[Option<f64>], found: &[usize]) -> Option<Vec<Tested>> {
+    fn rivals(&self, row: &[Slip], off: &[Option<f64>], found: &[usize]) -> Option<Vec<Slips>> {
         let is_of_row = |arrival: usize| row.iter().any(|own| own.arrival == arrival);
         let is_own = |slip: &Slip| is_of_row(slip.arrival);
         let others = found.iter().copied().filter(|&arrival| !is_of_row(arrival));
@@ -249,7 +243,7 @@ impl Screen<'_> {
         let size_um = size_um(&own.slips);
         let off = |slip: &Slip| off[slip.arrival].map(|off| off.abs() > STAYS * size_um);
         let is_off = own.slips.iter().all(|slip| off(slip) == Some(true));
-        let is_in_order = |rival: &Tested| rival.slips.iter().any(|slip| off(slip) == Some(false));
+        let is_in_order = |rival: &Slips| rival.slips.iter().any(|slip| off(slip) == Some(false));
         all.retain(|rival| {
             let is_other = !rival.slips.iter().any(is_own);
             is_other && rival.drop >= ALIKE * own.drop && !(is_off && is_in_order(rival))
@@ -258,7 +252,7 @@ impl Screen<'_> {
     }
 
     /// Whether positions were read only by these from their side, twice each: then nothing shows which is wrong.
-    fn are_all_of_a_cell(&self, row: &[Slip], other: &Tested) -> bool {
+    fn are_all_of_a_cell(&self, row: &[Slip], other: &Slips) -> bool {
         let cells = cells(self.comparison);
         let sizes = sizes(&cells);
         let is_of_two = |(one, other): (&Slip, &Slip)| {

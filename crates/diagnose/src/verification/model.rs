@@ -1,10 +1,9 @@
 //! A model of readings: causes, and disturbances beside them.
 
 use trueaxis_effects::CROSS_COUPLING;
-use trueaxis_selection::DECISIVE;
 
 use crate::engine::linear::Chosen;
-use crate::engine::{JudgedDisturbance, beside_all};
+use crate::engine::{JudgedDisturbance, beside_all, price};
 use crate::verification::omnibus::omnibus;
 use crate::verification::problem::Problem;
 
@@ -63,7 +62,7 @@ pub(crate) fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
         true => plain.listed.clone(),
         false => plain.listed.on(base),
     };
-    let mut names = 2 * model.wandering.len();
+    let mut names = 0;
     for (k, cause) in model.causes.iter().enumerate() {
         let own = listed.beside(&model.causes[..k]).score_of(cause);
         sum += own.map_or(0.0, |score| score.evidence);
@@ -73,7 +72,7 @@ pub(crate) fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
             _ => 1,
         };
     }
-    sum - DECISIVE * names.saturating_sub(1) as f64
+    sum - price(names, &model.wandering)
 }
 
 pub(crate) fn is_coupling(plain: &Problem<'_>, candidate: usize) -> bool {

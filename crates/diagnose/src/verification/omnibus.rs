@@ -84,13 +84,10 @@ fn wave(of: &[f64], multiple: f64) -> [Vec<f64>; 2] {
     [f64::sin, f64::cos].map(|f| of.iter().map(|x| f(multiple * x)).collect())
 }
 
-/// The tests of a model; p-values family-wise over all of them.
+/// The tests of a model.
 pub(crate) fn omnibus(problem: &Problem<'_>, model: &Projection) -> Vec<Omnibus> {
     let mut tests = Omnibus::of_all(model, &problem.families, MOST_OF_FREEDOM);
-    let count = tests.len() as f64;
     for Omnibus { test, .. } in &mut tests {
-        // 1 - (1 - p)^m without losing small p.
-        test.p_value = -(count * (-test.p_value).ln_1p()).exp_m1();
         if test.p_value < STANDS_OUT && test.varies_with == "time" {
             test.detail = period(problem, model);
         }

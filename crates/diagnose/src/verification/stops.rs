@@ -1,20 +1,20 @@
 //! Readings that contradict the others of their stop: in its mean they would look like scatter of the machine.
 //!
-//! Each stop has a mean; a reading is tested with what all others leave, those that stand out most first (externally
-//! studentised residuals, as for arrivals in [`super::gross_errors`]). It must be off by much more than the others of
+//! Each stop has a mean; a reading is tested with what all others leave, those that stand out most first
+//! ([`Tested`], as for arrivals in [`super::gross_errors`]). It must be off by much more than the others of
 //! its stop differ, and the nearest stops at its position from these; otherwise the machine was on its way there, and
 //! the stop is not considered further. Of two readings nothing shows which is wrong. Where more than a few stand out
 //! they are no slips but the way in which machine or instrument settle, and stay.
 
 use trueaxis_campaign::Verification;
-use trueaxis_selection::ln_f_test;
+use trueaxis_selection::Gram;
 
-use crate::engine::most;
+use crate::engine::{ACCIDENT_LEVEL, LEAST_OTHERS, Tested, most};
 use crate::extremes::extremes;
 use crate::verification::base::cells;
 use crate::verification::comparison::Comparison;
 use crate::verification::gross_error::{Contradicts, GrossError};
-use crate::verification::gross_errors::{IS_ON_ITS_WAY, LEAST_DEGREES_OF_FREEDOM, LEVEL, MOST};
+use crate::verification::gross_errors::{IS_ON_ITS_WAY, MOST};
 use crate::verification::resolution::resolution_um;
 
 /// The readings of a table that contradict others of their stops, in its order.
@@ -37,11 +37,16 @@ pub(crate) fn slips_within_stops(
     // What is left at the last of them.
     let (mut found, mut variance) = (0, 0.0);
     while let Some(slip) = largest(&stops) {
-        let (squares, freedom) = left(&stops, &slip, resolution_um);
-        let drop = slip.error_um.powi(2) * slip.redundancy;
-        let ln_p = ln_f_test(drop, drop + squares, 1, freedom + 1.0);
-        let is_clear = ln_p < (LEVEL / count as f64).ln();
-        if !is_clear || freedom < LEAST_DEGREES_OF_FREEDOM {
+        let (squares, freedom) = left(&stops);
+        let gram = Gram::new(&[slip.redundancy], &[1.0]);
+        let residual = [slip.error_um * slip.redundancy];
+        let tested = Tested::new(
+            (squares, freedom),
+            (&gram, &residual),
+            resolution_um.powi(2),
+        );
+        let is_clear = tested.ln_p < (ACCIDENT_LEVEL / count as f64).ln();
+        if !is_clear || freedom - 1.0 < LEAST_OTHERS {
             break;
         }
         if found == most(MOST, count) {
@@ -52,7 +57,7 @@ pub(crate) fn slips_within_stops(
             stops[slip.stop].is_excluded = true;
             continue;
         }
-        variance = squares / freedom;
+        variance = tested.covariance[0] * slip.redundancy;
         let readings = &mut stops[slip.stop].readings;
         match readings.len() {
             2 => {
@@ -88,13 +93,6 @@ struct Stop {
 impl Stop {
     fn mean(&self) -> f64 {
         self.readings.iter().map(|(_, value)| value).sum::<f64>() / self.readings.len() as f64
-    }
-
-    /// Values without the one at an index.
-    fn without(&self, out: Option<usize>) -> Vec<f64> {
-        let all = self.readings.iter().enumerate();
-        let kept = all.filter(|(place, _)| Some(*place) != out);
-        kept.map(|(_, (_, value))| *value).collect()
     }
 }
 
@@ -134,7 +132,9 @@ fn is_on_its_way(stops: &[Stop], slip: &Slip) -> bool {
     let own = &stops[slip.stop];
     // Of two neither is known to be the slip.
     let is_known = own.readings.len() > 2;
-    let others = own.without(is_known.then_some(slip.place));
+    let all = own.readings.iter().enumerate();
+    let others = all.filter(|(place, _)| !is_known || *place != slip.place);
+    let others: Vec<f64> = others.map(|(_, (_, value))| *value).collect();
     let [low, high] = extremes(others.iter().copied());
     if is_known && high - low > near_um {
         return true;
@@ -155,15 +155,14 @@ fn is_on_its_way(stops: &[Stop], slip: &Slip) -> bool {
     neighbours.any(|neighbour| others.iter().all(|value| is_far(neighbour, value)))
 }
 
-/// Sum of squares of the readings about their stops' means without one, at least the last digit's, with its freedom.
-fn left(stops: &[Stop], without: &Slip, resolution_um: f64) -> (f64, f64) {
-    let (mut squares, mut freedom) = (0.0, 0.0);
-    let all = stops.iter().enumerate();
-    for (number, stop) in all.filter(|(_, stop)| !stop.is_excluded) {
-        let own = stop.without((without.stop == number).then_some(without.place));
-        let mean = own.iter().sum::<f64>() / own.len().max(1) as f64;
-        squares += own.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
-        freedom += own.len().saturating_sub(1) as f64;
-    }
-    (squares.max(freedom * resolution_um.powi(2)), freedom)
+/// Sum of squares of the readings about their stops' means, with its freedom.
+fn left(stops: &[Stop]) -> (f64, f64) {
+    let own = stops
+        .iter()
+        .filter(|stop| !stop.is_excluded && !stop.readings.is_empty());
+    own.fold((0.0, 0.0), |(squares, freedom), stop| {
+        let (mean, values) = (stop.mean(), stop.readings.iter());
+        let own: f64 = values.map(|(_, value)| (value - mean).powi(2)).sum();
+        (squares + own, freedom + (stop.readings.len() - 1) as f64)
+    })
 }

@@ -1,15 +1,9 @@
-//! Arrivals against all others, by the residuals of these:
-//!
-//! ```text
-//! F = (d/k)/((S - d)/(ν - k))      d = e_Aᵀ (M_AA)⁻¹ e_A      k arrivals A
-//! ```
+//! Arrivals against all others.
 
-use nalgebra::{DMatrix, DVector};
 use trueaxis_leastsquares::dot;
-use trueaxis_selection::{Projection, ln_f_test};
+use trueaxis_selection::{Gram, Projection};
 
-/// Arrivals of which the model takes more cannot be tested.
-const LEAST_REDUNDANCY: f64 = 1e-6;
+use crate::engine::Tested;
 
 /// An arrival that stands out: error and its standard uncertainty, µm.
 #[derive(Debug, Clone, Copy)]
@@ -20,41 +14,37 @@ pub(crate) struct Slip {
 }
 
 /// Arrivals with values of their own in the model.
-pub(crate) struct Tested {
+pub(crate) struct Slips {
     pub(crate) slips: Vec<Slip>,
-    /// d.
+    /// Drop of the sum of squares.
     pub(crate) drop: f64,
     pub(crate) ln_p: f64,
 }
 
-impl Tested {
+impl Slips {
     /// `None` if the model takes them as they are: then they cannot be tested.
     pub(crate) fn new(left: &Projection, arrivals: &[usize], resolution_um: f64) -> Option<Self> {
-        let rank = arrivals.len();
-        let m = DMatrix::from_fn(rank, rank, |i, k| {
+        let n = arrivals.len();
+        let left_of = |i: usize, k: usize| {
             let taken = dot(left.shared_row(arrivals[i]), left.shared_row(arrivals[k]));
             f64::from(u8::from(i == k)) - taken
-        });
-        let inverse = m.try_inverse()?;
-        if (0..rank).any(|k| !(0.0..LEAST_REDUNDANCY.recip()).contains(&inverse[(k, k)])) {
-            return None;
-        }
-        let e = DVector::from_fn(rank, |k, _| left.residuals[arrivals[k]]);
-        let errors = &inverse * &e;
-        let drop = errors.dot(&e);
-        let freedom = left.degrees_of_freedom - rank as f64;
-        // At least the variance of the last digit of the readings.
-        let rest = (left.squares() - drop).max(freedom * resolution_um.powi(2));
-        let s = (rest / freedom).sqrt();
-        let slip = |(k, error_um): (usize, &f64)| Slip {
-            arrival: arrivals[k],
-            error_um: *error_um,
-            u_um: s * inverse[(k, k)].sqrt(),
         };
-        Some(Self {
-            slips: errors.iter().enumerate().map(slip).collect(),
-            ln_p: ln_f_test(drop, drop + rest, rank, left.degrees_of_freedom),
-            drop,
+        let matrix: Vec<f64> = (0..n * n).map(|ik| left_of(ik / n, ik % n)).collect();
+        let gram = Gram::new(&matrix, &vec![1.0; n]);
+        let residuals = arrivals.iter().map(|&arrival| left.residuals[arrival]);
+        let residuals: Vec<f64> = residuals.collect();
+        // At least the variance of the last digit of the readings.
+        let squares = (left.squares(), left.degrees_of_freedom);
+        let tested = Tested::new(squares, (&gram, &residuals), resolution_um.powi(2));
+        let slip = |k: usize| Slip {
+            arrival: arrivals[k],
+            error_um: tested.errors[k],
+            u_um: tested.covariance[k * n + k].sqrt(),
+        };
+        (gram.rank() == n).then(|| Self {
+            slips: (0..n).map(slip).collect(),
+            drop: tested.drop,
+            ln_p: tested.ln_p,
         })
     }
 }
