@@ -11,7 +11,7 @@ use crate::engine::{FURTHER_LEVEL, JudgedDisturbance};
 use crate::verification::believed::{with_gain, without_imitations};
 use crate::verification::described::described;
 use crate::verification::held_out::{gain, held_out};
-use crate::verification::instead::{constant_instead, simple_instead};
+use crate::verification::instead::simple_instead;
 use crate::verification::model::{
     Model, evidence, has, have_same, is_coupling, is_left, of_causes, only,
 };
@@ -83,10 +83,7 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
         let near = scored.take_while(|(evidence, _)| most - evidence < DECISIVE);
         let as_good = near.filter(|(_, model)| are_as_good(model));
         let as_good = as_good.map(|(_, model)| model.causes);
-        best.as_good = as_good
-            .chain(simple_instead(plain, &best, most))
-            .chain(constant_instead(plain, &best, most))
-            .collect();
+        best.as_good = as_good.chain(simple_instead(plain, &best, most)).collect();
     }
     best
 }

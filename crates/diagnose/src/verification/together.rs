@@ -130,7 +130,8 @@ fn its_own(series: &Series<'_>, is_joint: impl Fn(&Hypothesis) -> bool) -> Vec<C
     causes.filter(is_own).copied().collect()
 }
 
-/// The forms that contain a cause or are contained in it: where it has several sizes, so have they.
+/// The forms that contain a cause or are contained in it: where it has several sizes, so have they. Otherwise a line whose
+/// lost motion changes along the axis can be given the constant one of another line, where it was right by itself.
 fn other_forms(listed: &Listed, cause: &Chosen) -> Vec<Hypothesis> {
     let with = |columns: &[Vec<f64>]| listed.base.extended(columns);
     let own = listed.columns_of(cause);

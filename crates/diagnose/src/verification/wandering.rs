@@ -109,7 +109,8 @@ impl<'a> Wandering for Beside<'_, 'a> {
 }
 
 /// Whether lost motion of a line explains something that a disturbance in time explains as well, as where one side
-/// was read before the other: then the disturbance takes what the readings show of it.
+/// was read before the other: then the disturbance takes what the readings show of it, and would have its name alone
+/// (`tests/diagnose/orders.rs`).
 fn hides_lost_motion(problem: &Problem<'_>, causes: &[Chosen], own: &JudgedDisturbance) -> bool {
     let comparison = problem.comparison;
     if comparison.line().is_none() || own.wanderer().with != With::Campaign {
@@ -151,7 +152,8 @@ pub(crate) fn rival_disturbances(
     all.into_iter().map(rival).collect()
 }
 
-/// What one file cannot separate from a cause, without a name in the catalogue. No shift or drift of the machine
+/// What one file cannot separate from a cause, without a name in the catalogue: without it a warm-up that a line shows
+/// would be that of the machine alone. No shift or drift of the machine
 /// turns a rotary axis: a slipping encoder, clamp or belt is the machine with time; an instrument warms up, too. On a
 /// circle a coupling `c x y` of X is a bow `c x²` of X to Y (both `c r² cos²φ sin φ`); only a calibration knows bows.
 fn inseparable(problem: &Problem<'_>, hypothesis: &Hypothesis) -> Option<Wanderer> {
