@@ -85,6 +85,7 @@ pub(crate) use accidents::{ACCIDENT_LEVEL, LEAST_OTHERS, Tested, first_lines, mo
 pub(crate) use between::golden_section;
 pub(crate) use competition::{
     Candidates, Competed, PART, add_rival_disturbances, compete, only_wandering, price, settled,
+    together,
 };
 pub(crate) use culprit::{Culprit, Culprits};
 pub(crate) use estimated::{ByShape, cause, derivative, with_uncertainties};

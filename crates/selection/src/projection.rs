@@ -156,6 +156,12 @@ impl Projection {
         self.squares.max(0.0)
     }
 
+    /// Twice the logarithm of the likelihood ratio of a model that leaves these squares, `ν ln(S/S')` with an unknown variance.
+    pub fn ln_ratio(&self, squares: f64) -> f64 {
+        let left = (squares / self.squares()).max(f64::MIN_POSITIVE);
+        -self.degrees_of_freedom * left.ln()
+    }
+
     /// The projection after columns have joined the base model.
     pub fn extended(&self, columns: &[Vec<f64>]) -> Self {
         let mut basis: Vec<(Range<usize>, Vec<f64>)> = Vec::new();

@@ -27,6 +27,14 @@ pub struct Score {
     pub evidence: f64,
 }
 
+impl Score {
+    /// By how much the evidence is below twice the logarithm of the likelihood ratio against the base model: what the prior of
+    /// the parameters, shapes and subjects costs.
+    pub fn price(&self, base: &Projection) -> f64 {
+        base.ln_ratio(base.squares() - self.statistic) - self.evidence
+    }
+}
+
 /// Evidence that differs by less than this is equal but for rounding.
 pub const EQUAL: f64 = 1e-3;
 
@@ -70,8 +78,8 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
         if own < statistic - NEGLIGIBLE * variance {
             return;
         }
+        let likelihood = projection.ln_ratio(squares - own);
         let left = ((squares - own) / squares).max(f64::MIN_POSITIVE);
-        let likelihood = -dof * left.ln();
         // The price of the prior, in the variance left with this hypothesis in the model.
         let per_deviation = 1.0 / (variance * left).sqrt();
         let in_deviations: Vec<f64> = s.iter().map(|s| s * per_deviation).collect();

@@ -11,7 +11,7 @@
 //! evidence for an axis that changes with time: no basis of low degree quite describes warming up.
 
 use trueaxis_effects::Layer;
-use trueaxis_selection::{DECISIVE, Hypothesis, Null, rank};
+use trueaxis_selection::{DECISIVE, Hypothesis, Null, Projection, rank};
 
 use crate::Error;
 use crate::engine::disturbance::{Wanderer, Who, With};
@@ -219,20 +219,42 @@ fn charged<D: Wanders>(
     causes: &[Found],
     wandering: &[JudgedDisturbance],
 ) -> f64 {
-    let (mut evidence, projection) = of_wandering(base, plain, wandering);
-    evidence -= price(causes.len(), wandering);
-    let mut adjusted = D::with(plain, projection);
-    for found in causes {
-        let hypothesis = found.suspect.hypothesis;
-        if let Some(scan) = scan(base, &adjusted, D::projection(&adjusted), hypothesis) {
-            let score = rank(D::projection(&adjusted), std::slice::from_ref(&scan));
-            evidence += score.first().map_or(0.0, |score| score.evidence);
-            let columns = base.columns(&adjusted)(&hypothesis, found.suspect.shape);
-            let extended = D::projection(&adjusted).extended(&columns);
-            adjusted = D::with(&adjusted, extended);
-        }
-    }
-    evidence
+    let (evidence, projection) = of_wandering(base, plain, wandering);
+    let adjusted = D::with(plain, projection);
+    let columns =
+        |found: &Found| base.columns(&adjusted)(&found.suspect.hypothesis, found.suspect.shape);
+    let columns: Vec<Vec<Vec<f64>>> = causes.iter().map(columns).collect();
+    let with = |is_in: &dyn Fn(usize) -> bool| {
+        let own = (0..causes.len()).filter(|k| is_in(*k));
+        let own: Vec<Vec<f64>> = own.flat_map(|k| columns[k].clone()).collect();
+        D::projection(&adjusted).extended(&own)
+    };
+    let price_of = |k: usize| {
+        let others = D::with(&adjusted, with(&|i| i != k));
+        let scan = scan(
+            base,
+            &others,
+            D::projection(&others),
+            causes[k].suspect.hypothesis,
+        )?;
+        let scores = rank(D::projection(&others), std::slice::from_ref(&scan));
+        scores
+            .first()
+            .map(|score| score.price(D::projection(&others)))
+    };
+    let prices = (0..causes.len()).filter_map(price_of);
+    evidence + together([D::projection(&adjusted), &with(&|_| true)], prices)
+        - price(causes.len(), wandering)
+}
+
+/// Twice the logarithm of the marginal likelihood ratio of all causes, by what the model leaves without and with them and the
+/// price of the prior of each beside the others. One after the other, a cause that may have any shape would first explain what
+/// others do, at another shape, and these explain it again.
+pub(crate) fn together(
+    [before, after]: [&Projection; 2],
+    prices: impl Iterator<Item = f64>,
+) -> f64 {
+    before.ln_ratio(after.squares()) - prices.sum::<f64>()
 }
 
 /// The price of every further name than one: what can take any course costs twice that of an effect.

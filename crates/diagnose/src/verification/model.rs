@@ -2,8 +2,8 @@
 
 use trueaxis_effects::CROSS_COUPLING;
 
-use crate::engine::linear::Chosen;
-use crate::engine::{JudgedDisturbance, beside_all, price};
+use crate::engine::linear::{Chosen, without};
+use crate::engine::{JudgedDisturbance, beside_all, price, together};
 use crate::verification::omnibus::omnibus;
 use crate::verification::problem::Problem;
 
@@ -56,23 +56,30 @@ pub(crate) fn is_left(model: &Model<'_>) -> bool {
 pub(crate) fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
     let processes = model.wandering.iter();
     let processes = processes.map(|own| (own.columns(plain), own.tried(plain)));
-    let (mut sum, base) = beside_all(&plain.listed.base, processes);
+    let (of_wandering, base) = beside_all(&plain.listed.base, processes);
     let listed = match model.wandering.is_empty() {
         // With the comparisons that were made.
         true => plain.listed.clone(),
         false => plain.listed.on(base),
     };
-    let mut names = 0;
-    for (k, cause) in model.causes.iter().enumerate() {
-        let own = listed.beside(&model.causes[..k]).score_of(cause);
-        sum += own.map_or(0.0, |score| score.evidence);
-        names += match own {
+    let causes = &model.causes;
+    let scores = (0..causes.len()).map(|k| {
+        let beside = listed.beside(&without(causes, k));
+        let score = beside.score_of(&causes[k])?;
+        Some((score.rank, score.price(&beside.model)))
+    });
+    let scores: Vec<Option<(usize, f64)>> = scores.collect();
+    let names = causes
+        .iter()
+        .zip(&scores)
+        .map(|(cause, score)| match score {
             // Each direction is an error of its own.
-            Some(score) if is_coupling(plain, cause.candidate) => score.rank,
+            Some((rank, _)) if is_coupling(plain, cause.candidate) => *rank,
             _ => 1,
-        };
-    }
-    sum - price(names, &model.wandering)
+        });
+    let prices = scores.iter().flatten().map(|(_, price)| *price);
+    of_wandering + together([&listed.base, &listed.with(causes)], prices)
+        - price(names.sum(), &model.wandering)
 }
 
 pub(crate) fn is_coupling(plain: &Problem<'_>, candidate: usize) -> bool {
