@@ -11,11 +11,11 @@ use trueaxis_predict::OutputCovariance;
 
 use crate::Error;
 use crate::explain::{explained, tried};
+use crate::identify::apply_frame::mean_targets;
 use crate::identify::axis_data::{AxisData, by_axis};
 use crate::identify::context::Context;
 use crate::identify::identify_axes::{Identified, identify_axes};
 use crate::identify::plausibility::{check_motion, check_noise};
-use crate::identify::settle_frame::mean_targets;
 use crate::matrix_size::check_size;
 use crate::propagate::dependence::Dependence;
 use crate::propagate::factored_covariance::factored_covariance;

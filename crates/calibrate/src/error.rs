@@ -6,12 +6,12 @@ pub enum Error {
     /// The campaign does not yield poses, or the poses do not determine the errors of an axis or their uncertainty.
     #[error(transparent)]
     Poses(#[from] trueaxis_poses::Error),
-    /// The component errors did not settle.
+    /// The component errors did not converge.
     #[error(
-        "the component errors did not settle after {passes} passes (last change {change_mm:.1e} mm, of axis {axis}): the measured motion is far \
+        "the component errors did not converge after {passes} passes (last change {change_mm:.1e} mm, of axis {axis}): the measured motion is far \
          from the nominal one; check direction, sign and position of all axes: where one is reversed another may fit worst"
     )]
-    NotSettled {
+    NotConverged {
         /// Passes made.
         passes: usize,
         /// Largest change of a coordinate in the last pass, mm.
@@ -102,7 +102,7 @@ impl Error {
         use trueaxis_poses::Error as Poses;
         matches!(
             self,
-            Self::NotSettled { .. }
+            Self::NotConverged { .. }
                 | Self::NotThatMotion { .. }
                 | Self::Poses(
                     Poses::NotConverged { .. }

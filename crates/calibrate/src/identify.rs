@@ -1,5 +1,6 @@
 //! Poses to component errors, location errors and the reference frame.
 
+pub(crate) mod apply_frame;
 pub(crate) mod axis_data;
 pub(crate) mod basis;
 pub(crate) mod context;
@@ -8,6 +9,5 @@ pub(crate) mod gauge;
 pub(crate) mod identify_axes;
 pub(crate) mod plausibility;
 pub(crate) mod pose_errors;
-pub(crate) mod settle_frame;
 pub(crate) mod start;
 pub(crate) mod state;

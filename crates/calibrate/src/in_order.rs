@@ -4,13 +4,13 @@ use std::ops::AddAssign;
 
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
-/// Records that one thread takes at a time, each time for one partial sum: some ten microseconds of work, which make
+/// Items that one thread takes at a time, each time for one partial sum: some ten microseconds of work, which make
 /// the hand-over negligible.
-const RECORDS: usize = 32;
+const CHUNK: usize = 32;
 
 /// The results of `f` for each of `count` items.
 pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-    let items = (0..count).into_par_iter().with_min_len(RECORDS);
+    let items = (0..count).into_par_iter().with_min_len(CHUNK);
     items.map(f).collect()
 }
 
@@ -21,16 +21,16 @@ pub(crate) fn sum<T: Send + AddAssign>(
     zero: impl Fn() -> T + Sync,
     add: impl Fn(&mut T, usize) + Sync,
 ) -> T {
-    let of_piece = |number: usize| {
+    let of_chunk = |number: usize| {
         let mut part = zero();
-        let first = number * RECORDS;
-        for item in first..count.min(first + RECORDS) {
+        let first = number * CHUNK;
+        for item in first..count.min(first + CHUNK) {
             add(&mut part, item);
         }
         part
     };
-    let pieces = (0..count.div_ceil(RECORDS)).into_par_iter();
-    let parts: Vec<T> = pieces.map(of_piece).collect();
+    let chunks = (0..count.div_ceil(CHUNK)).into_par_iter();
+    let parts: Vec<T> = chunks.map(of_chunk).collect();
     let mut whole = zero();
     for part in parts {
         whole += part;

@@ -18,7 +18,7 @@
 //! 1. measure: campaign → poses with their covariance ([`trueaxis_poses::measure()`]), sorted by the axis
 //!    under test;
 //! 2. identify: from average lines and axes (`trueaxis-fitting`) Newton's method on the pose, axis after axis
-//!    from the bed outwards, with the gauge and the reference frame settled in every pass, until the model
+//!    from the bed outwards, with the gauge and the reference frame applied in every pass, until the model
 //!    reproduces the measured poses;
 //! 3. propagate: every result as a linear function of the errors of the poses;
 //! 4. report: results, contradictions, and notices for the user.

@@ -1,7 +1,7 @@
 //! The same campaign with new errors, as often as needed: Monte Carlo, and the effect of single errors.
 //!
 //! The poses of a trial come from [`PoseTrials`], the component and location errors from Newton's method with
-//! exact deviations, repeated until the reference frame has settled.
+//! exact deviations, repeated until the reference frame has converged.
 
 pub(crate) mod reliability;
 pub(crate) mod run_comparison;
@@ -136,7 +136,7 @@ pub struct Responses<'a> {
 
 impl Responses<'_> {
     /// The change of each result by errors of the used lengths in measuring order, or of the points (x y z of each), mm;
-    /// in the unit of the result ([`trueaxis_predict::Output::unit`]). NaN if it does not settle: errors so large belong
+    /// in the unit of the result ([`trueaxis_predict::Output::unit`]). NaN if it does not converge: errors so large belong
     /// to another machine.
     ///
     /// # Panics

@@ -28,17 +28,17 @@ pub(crate) fn read(
     let required = required_columns(&FIRST_COLUMNS, &campaign.machine, &LAST_COLUMNS);
     let table = Table::open(file, text, &required, &LOGGED_COLUMNS)?;
     let no_rows = table.no_rows();
-    let mut all = Piece::of(&table);
-    let pieces: Vec<Result<Piece, Error>> = table
-        .pieces()
+    let mut all = Chunk::of(&table);
+    let chunks: Vec<Result<Chunk, Error>> = table
+        .chunks()
         .into_par_iter()
-        .map(|table| read_piece(table, campaign))
+        .map(|table| read_chunk(table, campaign))
         .collect();
-    for piece in pieces {
-        let piece = piece?;
-        append(&mut all.stops, piece.stops, all.readings.len());
-        all.readings.extend(piece.readings);
-        for ((_, column), (_, next)) in all.logged.iter_mut().zip(piece.logged) {
+    for chunk in chunks {
+        let chunk = chunk?;
+        append(&mut all.stops, chunk.stops, all.readings.len());
+        all.readings.extend(chunk.readings);
+        for ((_, column), (_, next)) in all.logged.iter_mut().zip(chunk.logged) {
             column.values.extend(next.values);
         }
     }
@@ -55,13 +55,13 @@ pub(crate) fn read(
 }
 
 /// What some of the rows hold.
-struct Piece {
+struct Chunk {
     stops: (Vec<Stop>, Steps),
     readings: Vec<LengthReading>,
     logged: Vec<(Column, LoggedColumn)>,
 }
 
-impl Piece {
+impl Chunk {
     /// No rows yet, with the logged columns of the table.
     fn of(table: &Table<'_>) -> Self {
         let logged = table.columns().filter_map(|(name, column)| {
@@ -77,19 +77,19 @@ impl Piece {
     }
 }
 
-fn read_piece(mut table: Table<'_>, campaign: &Campaign) -> Result<Piece, Error> {
-    let mut piece = Piece::of(&table);
+fn read_chunk(mut table: Table<'_>, campaign: &Campaign) -> Result<Chunk, Error> {
+    let mut chunk = Chunk::of(&table);
     let mut reader = StopReader::of(&table, campaign)?;
     let length = table.column("length_mm")?;
     while let Some(row) = table.next_row()? {
         let sighting = reader.read(&row)?;
-        piece.readings.push(LengthReading {
+        chunk.readings.push(LengthReading {
             time_s: sighting.time_s,
             target: sighting.target,
             length_mm: row.number(length)?,
             line: row.line(),
         });
-        for (column, logged) in &mut piece.logged {
+        for (column, logged) in &mut chunk.logged {
             let value = row.optional_number(Some(*column))?;
             if let (Some(value), Some(quantity)) = (value, logged.quantity()) {
                 let refused = |problem: Problem| problem.at(row.place(*column));
@@ -98,8 +98,8 @@ fn read_piece(mut table: Table<'_>, campaign: &Campaign) -> Result<Piece, Error>
             logged.values.push(value);
         }
     }
-    piece.stops = reader.finish();
-    Ok(piece)
+    chunk.stops = reader.finish();
+    Ok(chunk)
 }
 
 /// The text that [`read`] reads as `lengths`.

@@ -27,7 +27,7 @@ pub struct Campaign {
     pub machine: Machine,
     /// Declared thermal expansion of linear axes, at most one for an axis, in the order of the axes.
     pub expansions: Vec<AxisExpansion>,
-    /// The instrument's declared accuracy.
+    /// The instrument with its declared noise and uncertainties.
     pub instrument: Instrument,
     /// Targets in the order of the file.
     pub targets: Vec<Target>,
@@ -52,7 +52,7 @@ pub struct Campaign {
     pub notices: Vec<String>,
 }
 
-/// Declared accuracy. What is `None` was not declared.
+/// Name, declared noise and systematic uncertainties. What is `None` was not declared.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default, expecting = "an object: the instrument")]
 pub struct Instrument {

@@ -25,12 +25,11 @@ pub(crate) fn read(file: &Path, text: &str, campaign: &Campaign) -> Result<(Poin
     let mut table = Table::open(file, text, &required, &[SIGMA_COLUMN])?;
     let mut reader = StopReader::of(&table, campaign)?;
     let [x, y, z] = POINT_COLUMNS.map(|name| table.column(name));
-    let coordinates = [x?, y?, z?];
+    let (x, y, z) = (x?, y?, z?);
     let sigma = table.optional_column(SIGMA_COLUMN);
 
     let readings = table.read_rows(|row| {
         let sighting = reader.read(row)?;
-        let [x, y, z] = coordinates;
         Ok(PointReading {
             time_s: sighting.time_s,
             target: sighting.target,

@@ -7,7 +7,7 @@ use trueaxis_kinematics::Machine;
 use crate::document::{RunEntry, StationEntry, TargetEntry};
 use crate::{Instrument, KnownDeadPath, Run, Station, Target};
 
-/// Of the declared accuracy none is needed, but what is given must be possible.
+/// No standard deviation need be declared, but what is must be possible.
 ///
 /// # Errors
 /// A standard deviation that is none, by its field in `campaign.json`.

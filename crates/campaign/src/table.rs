@@ -10,8 +10,8 @@ use crate::names::Names;
 use crate::text_file::newlines;
 use crate::{Direction, Error, Place, Problem, cell, header};
 
-/// Least size of a piece of a table: some milliseconds of work, beside which the hand-over to another thread is nothing.
-const PIECE_BYTES: usize = 1 << 20;
+/// Least size of a chunk of a table: some milliseconds of work, beside which the hand-over to another thread is nothing.
+const CHUNK_BYTES: usize = 1 << 20;
 
 /// A CSV file that is read row by row.
 pub(crate) struct Table<'a> {
@@ -60,33 +60,33 @@ impl<'a> Table<'a> {
         })
     }
 
-    /// The same table in pieces of some size each, to be read in any order. Where text is quoted it
-    /// stays in one piece: line ends may then be part of a cell.
-    pub(crate) fn pieces(self) -> Vec<Self> {
+    /// The same table in chunks of some size each, to be read in any order. Where text is quoted it
+    /// stays in one chunk: line ends may then be part of a cell.
+    pub(crate) fn chunks(self) -> Vec<Self> {
         let text = self.text;
         if text.contains(&b'"') {
             return vec![self];
         }
-        let mut pieces = Vec::new();
+        let mut chunks = Vec::new();
         let (mut start, mut lines_before) = (0, 0);
         while start < text.len() {
-            let least = (start + PIECE_BYTES).max(self.header_end).min(text.len());
+            let least = (start + CHUNK_BYTES).max(self.header_end).min(text.len());
             let line_end = text[least..].iter().position(|&b| b == b'\n');
             let end = line_end.map_or(text.len(), |length| least + length + 1);
-            let piece = &text[start..end];
-            pieces.push(Self {
-                text: piece,
+            let chunk = &text[start..end];
+            chunks.push(Self {
+                text: chunk,
                 header: self.header.clone(),
-                reader: reader(piece, start == 0),
+                reader: reader(chunk, start == 0),
                 record: ByteRecord::new(),
                 start: 0,
                 lines_before,
                 ..self
             });
-            lines_before += newlines(piece);
+            lines_before += newlines(chunk);
             start = end;
         }
-        pieces
+        chunks
     }
 
     /// The column of that name, which must be there.
@@ -283,17 +283,17 @@ mod tests {
     }
 
     #[test]
-    fn pieces_are_the_whole() {
+    fn chunks_are_the_whole() {
         let row = "1234567,8901234\r\n";
-        let rows = 3 * PIECE_BYTES / row.len();
-        for (quoted, pieces) in [("", 3), ("\"5\",6\n", 1)] {
+        let rows = 3 * CHUNK_BYTES / row.len();
+        for (quoted, chunks) in [("", 3), ("\"5\",6\n", 1)] {
             let text = format!("\n a, b\n\n{quoted}{}", row.repeat(rows));
             let open = || Table::open(Path::new("t.csv"), &text, &["a", "b"], &[]).unwrap();
-            let found = open().pieces();
-            assert_eq!(found.len(), pieces);
+            let found = open().chunks();
+            assert_eq!(found.len(), chunks);
             let mut lines = Vec::new();
-            for mut piece in found {
-                while let Some(row) = piece.next_row().unwrap() {
+            for mut chunk in found {
+                while let Some(row) = chunk.next_row().unwrap() {
                     lines.push(row.line());
                 }
             }

@@ -179,7 +179,7 @@ fn of_calibrate(error: &Calibrate) -> &'static str {
     match error {
         Calibrate::Poses(error) => of_poses(error),
         Calibrate::Mistaken { error, .. } => of_calibrate(error),
-        Calibrate::NotSettled { .. } => "E307",
+        Calibrate::NotConverged { .. } => "E307",
         Calibrate::NotThatMotion { .. } => "E402",
         Calibrate::SeveralAxesMove { .. } => "E403",
         Calibrate::TooLarge { .. } => "E610",

@@ -1,6 +1,6 @@
 //! `trueaxis diagnose`.
 
-mod believed;
+mod as_truth;
 mod causes;
 mod in_words;
 mod layout;
@@ -106,7 +106,7 @@ fn extended_model(
     let Some(calibration) = &diagnosis.calibration else {
         return Ok(files);
     };
-    let replayed = believed::truth(calibration, &effects.effects)
+    let replayed = as_truth::truth(calibration, &effects.effects)
         .and_then(|truth| Ok(replay(campaign, &truth)?));
     match replayed {
         Ok(replay) => {

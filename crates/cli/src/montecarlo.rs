@@ -138,7 +138,7 @@ fn in_words_of_results(
     };
     let name = in_words(&results[output].output);
     anyhow::Error::new(error).context(format!(
-        "{name} does not settle in one of the trials: the lengths determine stations or points too weakly \
+        "{name} does not converge in one of the trials: the lengths determine stations or points too weakly \
          for their noise; measure more, or spread the stations"
     ))
 }
@@ -152,10 +152,10 @@ fn lines(propagation: &Propagation, compared: &[Compared<'_>]) -> Vec<String> {
     if let Some(stability) = &propagation.stability {
         let open = stability.outputs.iter().filter(|o| !o.is_stabilised());
         lines.push(match open.count() {
-            0 => "all results have settled to the digits asked for".to_owned(),
-            1 => "1 result has not settled to the digits asked for: allow more --trials".to_owned(),
+            0 => "all results are stable to the digits asked for".to_owned(),
+            1 => "1 result is not stable to the digits asked for: allow more --trials".to_owned(),
             open => format!(
-                "{open} results have not settled to the digits asked for: allow more --trials"
+                "{open} results are not stable to the digits asked for: allow more --trials"
             ),
         });
     }

@@ -92,8 +92,8 @@ pub struct StepPose {
     pub home_from_points: Matrix3<f64>,
 }
 
-/// Shapes are settled when no coordinate changes by more than this, mm.
-const SETTLED_MM: f64 = 1e-10;
+/// Shapes have converged when no coordinate changes by more than this, mm.
+const CONVERGED_MM: f64 = 1e-10;
 
 /// Each pass changes the shape by a ten-thousandth (the size of the errors in rad) of the change before.
 const MAX_PASSES: usize = 60;
@@ -130,7 +130,7 @@ pub fn poses_of_body(
             *home += left / shape.steps;
             change_mm = change_mm.max((left / shape.steps).norm());
         }
-        if change_mm <= SETTLED_MM {
+        if change_mm <= CONVERGED_MM {
             break;
         }
     }
@@ -278,10 +278,10 @@ impl Shape {
         noise: &BodyNoise<'_>,
     ) -> Self {
         let (size, sources) = (self.projection.nrows(), noise.shared.nrows());
-        let of_piece = |piece: Range<usize>| {
+        let of_chunk = |chunk: Range<usize>| {
             let mut own = DMatrix::zeros(size, size);
             let mut coupling = DMatrix::zeros(size, sources);
-            for i in piece {
+            for i in chunk {
                 let (d, z) = (noise.of_step)(i);
                 let to_shape = turned_columns(&self.projection, &turn(i));
                 own.gemm(1.0, &(&to_shape * d), &to_shape.transpose(), 1.0);
@@ -289,12 +289,12 @@ impl Shape {
             }
             (own, coupling)
         };
-        // Pieces have a fixed size and are added in order: the bits do not depend on the number of threads.
-        let pieces: Vec<Range<usize>> = (0..steps)
-            .step_by(PIECE)
-            .map(|first| first..steps.min(first + PIECE))
+        // Chunks have a fixed size and are added in order: the bits do not depend on the number of threads.
+        let chunks: Vec<Range<usize>> = (0..steps)
+            .step_by(CHUNK)
+            .map(|first| first..steps.min(first + CHUNK))
             .collect();
-        let parts: Vec<_> = pieces.into_par_iter().map(of_piece).collect();
+        let parts: Vec<_> = chunks.into_par_iter().map(of_chunk).collect();
         let mut sums = (DMatrix::zeros(size, size), DMatrix::zeros(size, sources));
         for (own, coupling) in parts {
             sums.0 += own;
@@ -326,10 +326,10 @@ impl Shape {
 }
 
 /// Steps that one thread takes at a time.
-const PIECE: usize = 32;
+const CHUNK: usize = 32;
 
 fn numbered(count: usize) -> rayon::iter::MinLen<rayon::range::Iter<usize>> {
-    (0..count).into_par_iter().with_min_len(PIECE)
+    (0..count).into_par_iter().with_min_len(CHUNK)
 }
 
 /// `Q`, nominal.

@@ -12,8 +12,8 @@ use crate::lanes::Lanes;
 pub struct Factors {
     width: usize,
     batches: Vec<Place>,
-    /// Of each piece, as it was made, the batches one after the other.
-    pieces: Vec<Vec<Lanes>>,
+    /// Of each chunk, as it was made, the batches one after the other.
+    chunks: Vec<Vec<Lanes>>,
 }
 
 /// Where the factors of a batch are.
@@ -21,7 +21,7 @@ pub struct Factors {
 struct Place {
     blocks: Range<usize>,
     unknowns: usize,
-    piece: usize,
+    chunk: usize,
     start: usize,
 }
 
@@ -44,7 +44,7 @@ impl Factors {
         Self {
             width,
             batches: Vec::new(),
-            pieces: vec![Vec::with_capacity(numbers)],
+            chunks: vec![Vec::with_capacity(numbers)],
         }
     }
 
@@ -52,25 +52,25 @@ impl Factors {
     /// and then `Z`, rows one after the other.
     #[inline(always)]
     pub fn begin(&mut self, blocks: Range<usize>, unknowns: usize) -> &mut Vec<Lanes> {
-        let piece = self.pieces.len().saturating_sub(1);
-        self.pieces.resize_with(piece + 1, Vec::new);
+        let chunk = self.chunks.len().saturating_sub(1);
+        self.chunks.resize_with(chunk + 1, Vec::new);
         self.batches.push(Place {
             blocks,
             unknowns,
-            piece,
-            start: self.pieces[piece].len(),
+            chunk,
+            start: self.chunks[chunk].len(),
         });
-        &mut self.pieces[piece]
+        &mut self.chunks[chunk]
     }
 
     /// Appends the factors of the batches that follow.
     pub fn append(&mut self, next: Self) {
-        let before = self.pieces.len();
+        let before = self.chunks.len();
         self.width = next.width;
-        self.pieces.extend(next.pieces);
+        self.chunks.extend(next.chunks);
         self.batches
             .extend(next.batches.into_iter().map(|place| Place {
-                piece: before + place.piece,
+                chunk: before + place.chunk,
                 ..place
             }));
     }
@@ -91,10 +91,10 @@ impl Factors {
         let Place {
             ref blocks,
             unknowns: n,
-            piece,
+            chunk,
             start,
         } = self.batches[b];
-        let (inverse_factor, behind) = self.pieces[piece][start..].split_at(n * n);
+        let (inverse_factor, behind) = self.chunks[chunk][start..].split_at(n * n);
         BatchFactors {
             first: blocks.start,
             inverse_factor: LaneMatrix::by_rows(inverse_factor, [n; 2]),

@@ -12,7 +12,7 @@ use crate::reduced::Reduced;
 /// [moves](Self::step) each with what this one has left and, but for the last step, [reduces](Self::step_and_reduce) it
 /// again where it then is.
 /// Weights may depend on the state: each iteration has those of its own start, and the step that it leads to is
-/// judged with them. The datum decides only among results that fit as well: they are [settled](Self::settle) on
+/// judged with them. The datum decides only among results that fit as well: they are [placed](Self::apply_datum) on
 /// it when they are found, and its [constraints](Self::reduce_with_datum) are needed for the covariance alone.
 pub trait Adjustment {
     /// Values of all unknowns.
@@ -67,7 +67,7 @@ pub trait Adjustment {
     fn free_motions(&self, state: &Self::State) -> Vec<Vec<f64>>;
 
     /// Takes everything as a whole to where the constraints of the datum hold; no observation changes.
-    fn settle(&self, state: &mut Self::State);
+    fn apply_datum(&self, state: &mut Self::State);
 }
 
 /// Why the iteration stopped.
@@ -228,7 +228,7 @@ pub fn adjust<M: Adjustment>(model: &M, start: &M::State) -> Result<Adjusted<M::
                 None => Termination::NoDecrease { correction },
             }
         };
-        model.settle(&mut state);
+        model.apply_datum(&mut state);
         return Ok(Adjusted {
             state,
             squares: squares.max(0.0),

@@ -25,8 +25,8 @@ pub enum Trials {
 /// How a propagation is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Number of trials. The default, 10⁵, settles one significant digit of the standard
-    /// uncertainty and of a 95 % interval of a distribution close to normal.
+    /// Number of trials. With the default, 10⁵, one significant digit of the standard uncertainty and of a 95 %
+    /// interval is stable for a distribution close to normal.
     pub trials: Trials,
     /// Seed of the random streams.
     pub seed: u64,

@@ -1,4 +1,4 @@
-//! When the results of growing numbers of trials have settled (JCGM 101, 7.9).
+//! When the results of growing numbers of trials are stable (JCGM 101, 7.9).
 
 use crate::coverage::{self, Ranks};
 use crate::error::Error;

@@ -16,7 +16,7 @@ use crate::bodies::Deformations;
 use crate::datum::Datum;
 use crate::known::{Columns, KnownRow};
 use crate::linearise::fill;
-use crate::memory::{Gauge, Memories, Memory};
+use crate::memory::{Constraints, Memories, Memory};
 use crate::state::{PER_STATION, State, zero_column};
 use crate::visit_weights::{by_visit, fill_weights};
 use crate::{Bodies, Network};
@@ -57,11 +57,17 @@ impl<'a> GroupAdjustment<'a> {
 
     /// Makes the whitened equations of batch `b`, with the weights that belong to the state.
     #[inline(always)]
-    pub(crate) fn fill(&self, state: &State, b: usize, gauge: Gauge, memory: &mut Memory) {
+    pub(crate) fn fill(
+        &self,
+        state: &State,
+        b: usize,
+        constraints: Constraints,
+        memory: &mut Memory,
+    ) {
         let batch = &self.batches[b];
         self.take(state, batch, memory);
         memory.beams.fill(batch, state.common());
-        self.fill_rows(batch, gauge, memory);
+        self.fill_rows(batch, constraints, memory);
         self.weigh(batch, memory);
     }
 
@@ -76,7 +82,7 @@ impl<'a> GroupAdjustment<'a> {
 
     /// Makes the equations of a batch whose beams are filled, without weights.
     #[inline(always)]
-    pub(crate) fn fill_rows(&self, batch: &Batch, gauge: Gauge, memory: &mut Memory) {
+    pub(crate) fn fill_rows(&self, batch: &Batch, constraints: Constraints, memory: &mut Memory) {
         let Memory {
             beams,
             equations,
@@ -94,7 +100,8 @@ impl<'a> GroupAdjustment<'a> {
             }
             None => None,
         };
-        let datum = (gauge == Gauge::Datum).then_some((&self.datum, &self.network.nominal_mm[..]));
+        let datum = (constraints == Constraints::Datum)
+            .then_some((&self.datum, &self.network.nominal_mm[..]));
         let sizes = (self.network.stations.len(), self.shared());
         fill(batch, tie, datum, beams, sizes, equations);
     }

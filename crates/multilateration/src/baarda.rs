@@ -71,18 +71,18 @@ fn test_all(influence: &BatchInfluence<'_>, inflation: &[f64]) -> Tests {
     let network = influence.model.network;
     let by_group = network.visits_by_group();
     let batches = influence.batches();
-    let tested = influence.of_pieces(
+    let tested = influence.of_chunks(
         #[inline(always)]
-        |piece, rows| {
-            let of_piece = &batches[piece.clone()];
-            let readings = of_piece.iter().map(|batch| batch.readings).sum();
+        |chunk, rows| {
+            let of_chunk = &batches[chunk.clone()];
+            let readings = of_chunk.iter().map(|batch| batch.readings).sum();
             let mut tests = OfGroups {
                 readings: Vec::with_capacity(readings),
                 visits: Vec::new(),
             };
             let mut slots = Slots::new(network, &by_group);
             let mut work = BatchTests::default();
-            for b in piece {
+            for b in chunk {
                 influence.fill(b, rows);
                 work.fill(influence, &batches[b], rows);
                 slots.take(batches[b].groups.clone());

@@ -12,7 +12,7 @@ use trueaxis_leastsquares::{
 
 use crate::adjustment::GroupAdjustment;
 use crate::batches::Batch;
-use crate::memory::{Gauge, Memory};
+use crate::memory::{Constraints, Memory};
 use crate::noise::factor_len;
 use crate::state::State;
 use crate::tie::Tie;
@@ -20,7 +20,7 @@ use crate::visit_weights::{by_visit, is_read, own_variance};
 use crate::{Network, Solution};
 
 /// Batches that one thread takes at a time, each time for one partial sum.
-const PIECE: usize = 32;
+const CHUNK: usize = 32;
 
 /// A solved network, ready to say what each batch contributed.
 pub(crate) struct BatchInfluence<'a> {
@@ -80,41 +80,41 @@ impl<'a> BatchInfluence<'a> {
         SharedMatrix::by_rows(self.sigma().as_slice(), [self.width(); 2])
     }
 
-    /// The pieces of the batches, in order.
-    pub(crate) fn pieces(&self) -> impl ExactSizeIterator<Item = Range<usize>> + use<> {
+    /// The chunks of the batches, in order.
+    pub(crate) fn chunks(&self) -> impl ExactSizeIterator<Item = Range<usize>> + use<> {
         let batches = self.batches().len();
-        let starts = (0..batches).step_by(PIECE);
-        starts.map(move |start| start..batches.min(start + PIECE))
+        let starts = (0..batches).step_by(CHUNK);
+        starts.map(move |start| start..batches.min(start + CHUNK))
     }
 
-    /// The results of `work` on the pieces of the batches, in order; `work` runs on all threads with the widest
+    /// The results of `work` on the chunks of the batches, in order; `work` runs on all threads with the widest
     /// registers ([`in_widest_registers`]).
-    pub(crate) fn of_pieces<T: Send>(
+    pub(crate) fn of_chunks<T: Send>(
         &self,
         work: impl Fn(Range<usize>, &mut BatchRows) -> T + Sync + Send,
     ) -> Vec<T> {
-        self.with_pieces(
-            vec![(); self.pieces().len()],
+        self.with_chunks(
+            vec![(); self.chunks().len()],
             #[inline(always)]
-            |piece, (), rows| work(piece, rows),
+            |chunk, (), rows| work(chunk, rows),
         )
     }
 
-    /// The same as [`Self::of_pieces`], where each piece takes a part of its own along.
-    pub(crate) fn with_pieces<P: Send, T: Send>(
+    /// The same as [`Self::of_chunks`], where each chunk takes a part of its own along.
+    pub(crate) fn with_chunks<P: Send, T: Send>(
         &self,
         parts: Vec<P>,
         work: impl Fn(Range<usize>, P, &mut BatchRows) -> T + Sync + Send,
     ) -> Vec<T> {
-        let pieces: Vec<_> = self.pieces().zip(parts).collect();
-        let of_piece = |rows: &mut BatchRows, (piece, part)| {
+        let chunks: Vec<_> = self.chunks().zip(parts).collect();
+        let of_chunk = |rows: &mut BatchRows, (chunk, part)| {
             in_widest_registers(
                 #[inline(always)]
-                || work(piece, part, rows),
+                || work(chunk, part, rows),
             )
         };
-        let pieces = pieces.into_par_iter();
-        pieces.map_init(BatchRows::default, of_piece).collect()
+        let chunks = chunks.into_par_iter();
+        chunks.map_init(BatchRows::default, of_chunk).collect()
     }
 
     /// Takes the rows of batch `b`, with the widest registers. Inlined at every caller this would take minutes to
@@ -136,7 +136,7 @@ impl<'a> BatchInfluence<'a> {
             variances,
             there,
         } = rows;
-        self.model.fill(&self.state, b, Gauge::Free, memory);
+        self.model.fill(&self.state, b, Constraints::None, memory);
         let batch = &self.batches()[b];
         let (used, noise) = (batch.groups.len(), &self.model.network.noise);
         hat.fill(&memory.equations, self.factors(b), used);

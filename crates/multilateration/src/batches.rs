@@ -9,9 +9,9 @@ use std::sync::Arc;
 
 use trueaxis_leastsquares::{LANES, Lanes};
 
+use crate::chunks::{chunks, in_parallel};
 use crate::lane_vectors::{LaneVector, splat};
 use crate::network::Network;
-use crate::pieces::{in_parallel, pieces};
 use crate::reflectors::contrast;
 use crate::returns::LaneReturn;
 use crate::slots::{Layout, SlotVisit, Slots};
@@ -64,12 +64,12 @@ pub(crate) fn batches(network: &Network) -> Vec<Batch> {
         .variance_factors
         .iter()
         .any(|f| f.total_cmp(&1.0).is_ne());
-    let of_pieces = in_parallel(pieces(ranges.len()), |numbers| {
+    let of_chunks = in_parallel(chunks(ranges.len()), |numbers| {
         let groups = &ranges[numbers];
-        piece(Slots::new(network, &by_group), &zeros, is_inflated, groups)
+        chunk(Slots::new(network, &by_group), &zeros, is_inflated, groups)
     });
     let mut batches = Vec::with_capacity(ranges.len());
-    batches.extend(of_pieces.into_iter().flatten());
+    batches.extend(of_chunks.into_iter().flatten());
     batches
 }
 
@@ -89,7 +89,7 @@ fn side_by_side<K: PartialEq>(kinds: impl IntoIterator<Item = K>) -> Vec<Range<u
 }
 
 /// The batches of some ranges of groups.
-fn piece(
+fn chunk(
     mut slots: Slots<'_>,
     zero_of_readings: &[usize],
     is_inflated: bool,
@@ -129,11 +129,11 @@ fn piece(
     ranges.iter().map(batch).collect()
 }
 
-/// The groups of the batches of some pieces.
-pub(crate) fn groups_of(batches: &[Batch], pieces: &[Range<usize>]) -> Vec<Range<usize>> {
-    let of_piece =
-        |piece: &Range<usize>| batches[piece.start].groups.start..batches[piece.end - 1].groups.end;
-    pieces.iter().map(of_piece).collect()
+/// The groups of the batches of some chunks.
+pub(crate) fn groups_of(batches: &[Batch], chunks: &[Range<usize>]) -> Vec<Range<usize>> {
+    let of_chunk =
+        |chunk: &Range<usize>| batches[chunk.start].groups.start..batches[chunk.end - 1].groups.end;
+    chunks.iter().map(of_chunk).collect()
 }
 
 /// Checks that each free point is seen from at least `need` stations; points of bodies are exempt.

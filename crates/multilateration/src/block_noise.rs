@@ -71,14 +71,14 @@ impl Solution {
         let influence = BatchInfluence::new(network, self);
         let width = influence.width();
         let batches = influence.batches();
-        let parts = influence.of_pieces(
+        let parts = influence.of_chunks(
             #[inline(always)]
-            |piece, rows| {
+            |chunk, rows| {
                 let mut memory = PartMemory::default();
                 let mut sum = vec![Lanes::ZERO; width * width];
-                let unknowns = batches[piece.clone()].iter().map(Batch::unknowns);
+                let unknowns = batches[chunk.clone()].iter().map(Batch::unknowns);
                 let mut blocks = Factors::with_room(width, unknowns);
-                for b in piece {
+                for b in chunk {
                     influence.fill(b, rows);
                     let (batch, shared) = (&batches[b], rows.hat.shared());
                     let part = memory.part_of(shared, batch, rows);
@@ -92,9 +92,9 @@ impl Solution {
         );
         let mut middle = DMatrix::zeros(width, width);
         let mut blocks = Factors::default();
-        for (sum, of_piece) in parts {
+        for (sum, of_chunk) in parts {
             middle += sum;
-            blocks.append(of_piece);
+            blocks.append(of_chunk);
         }
         middle.fill_lower_triangle_with_upper_triangle();
         let sigma = influence.sigma();

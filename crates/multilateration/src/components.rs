@@ -89,12 +89,12 @@ struct Sums {
 
 fn sums(influence: &BatchInfluence<'_>) -> Sums {
     let width = influence.width();
-    let parts = influence.of_pieces(
+    let parts = influence.of_chunks(
         #[inline(always)]
-        |piece, rows| {
+        |chunk, rows| {
             let mut sums = LaneSums::new(width);
             let mut memory = Products::default();
-            for b in piece {
+            for b in chunk {
                 influence.fill(b, rows);
                 memory.add(influence, &influence.batches()[b], rows, &mut sums);
             }
@@ -115,7 +115,7 @@ fn sums(influence: &BatchInfluence<'_>) -> Sums {
     })
 }
 
-/// The sums of a piece, lane by lane.
+/// The sums of a chunk, lane by lane.
 #[derive(Default)]
 struct LaneSums {
     /// `rᵀ V_1 r` and `rᵀ r` of the whitened residuals.

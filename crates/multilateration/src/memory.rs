@@ -8,20 +8,18 @@ use crate::beams::Beams;
 use crate::state::DATUM;
 use crate::tie::Tie;
 
-/// What chooses among results that differ by a motion of the whole.
+/// What stands beside the equations of the lengths, to choose among results that differ by a motion of the whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Gauge {
-    /// Nothing: the equations of the lengths alone.
-    Free,
-    /// The constraints of the datum.
+pub(crate) enum Constraints {
+    None,
+    /// Those of the datum.
     Datum,
 }
 
-impl Gauge {
-    /// Number of constraints.
-    pub(crate) fn constraints(self) -> usize {
+impl Constraints {
+    pub(crate) fn count(self) -> usize {
         match self {
-            Self::Free => 0,
+            Self::None => 0,
             Self::Datum => DATUM,
         }
     }

@@ -71,11 +71,11 @@ impl Solution {
     pub fn own_shapes(&self, network: &Network) -> OwnShapes {
         let influence = BatchInfluence::new(network, self);
         let batches = influence.batches();
-        let found = influence.of_pieces(
+        let found = influence.of_chunks(
             #[inline(always)]
-            |piece, rows| {
+            |chunk, rows| {
                 let mut found = Vec::new();
-                for b in piece {
+                for b in chunk {
                     let batch = &batches[b];
                     if batch.body.is_some() {
                         influence.fill(b, rows);

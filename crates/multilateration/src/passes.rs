@@ -1,6 +1,6 @@
 //! Passes over the batches of a network: the equations are made, used and forgotten.
 //!
-//! Threads take pieces that depend only on the number of batches, and sums are added in the order of the pieces: the
+//! Threads take chunks that depend only on the number of batches, and sums are added in the order of the chunks: the
 //! bits do not depend on the number of threads. All work uses the widest registers of the processor
 //! ([`in_widest_registers`](trueaxis_leastsquares::in_widest_registers)).
 
@@ -14,14 +14,14 @@ use trueaxis_leastsquares::{
 
 use crate::adjustment::GroupAdjustment;
 use crate::batches::{Batch, groups_of};
+use crate::chunks::{chunks, in_parallel, split_mut};
 use crate::known::KnownRow;
 use crate::lane_vectors::{add, at, times};
-use crate::memory::{Gauge, Memory};
-use crate::pieces::{in_parallel, pieces, split_mut};
+use crate::memory::{Constraints, Memory};
 use crate::state::{Common, DATUM, State};
 use crate::visit_weights::by_visit;
 
-/// What the linearisation of a piece leaves for the next step, batch after batch.
+/// What the linearisation of a chunk leaves for the next step, batch after batch.
 #[derive(Debug, Default)]
 pub(crate) struct Linearised {
     /// As [`fill_weights`](crate::visit_weights::fill_weights) makes them.
@@ -30,7 +30,7 @@ pub(crate) struct Linearised {
     eliminated: Vec<Lanes>,
 }
 
-/// A pass: with a step the batches move, with a gauge they are linearised afterwards.
+/// A pass: with a step the batches move, with `constraints` they are linearised afterwards.
 #[derive(Clone, Copy)]
 struct Pass<'a> {
     /// The state before the step.
@@ -40,7 +40,7 @@ struct Pass<'a> {
     /// The state after the step.
     common: Common<'a>,
     shapes_mm: &'a [Vec<Point3<f64>>],
-    gauge: Option<Gauge>,
+    constraints: Option<Constraints>,
 }
 
 /// What a pass reads and writes of some batches; empty where it is not needed.
@@ -63,28 +63,28 @@ impl Adjustment for GroupAdjustment<'_> {
         state: &State,
         linearised: &mut Vec<Linearised>,
     ) -> Result<Reduced, LeastSquaresError> {
-        let pieces = pieces(self.batches.len());
-        linearised.resize_with(pieces.len(), Linearised::default);
-        for (left, piece) in linearised.iter_mut().zip(pieces) {
-            left.fit(&self.batches[piece]);
+        let chunks = chunks(self.batches.len());
+        linearised.resize_with(chunks.len(), Linearised::default);
+        for (left, chunk) in linearised.iter_mut().zip(chunks) {
+            left.fit(&self.batches[chunk]);
         }
         let parts = linearised.iter_mut().map(Linearised::part);
-        self.reduced_at(state, Gauge::Free, parts.collect())
+        self.reduced_at(state, Constraints::None, parts.collect())
     }
 
     fn reduce_with_datum(&self, state: &State) -> Result<(Reduced, Factors), LeastSquaresError> {
         let batches = &self.batches;
-        let of_piece = |piece: Range<usize>| {
-            let unknowns = batches[piece].iter().map(Batch::unknowns);
+        let of_chunk = |chunk: Range<usize>| {
+            let unknowns = batches[chunk].iter().map(Batch::unknowns);
             Factors::with_room(self.shared() + DATUM, unknowns)
         };
-        let of_pieces = pieces(batches.len()).into_iter().map(of_piece);
-        let mut left: Vec<Factors> = of_pieces.collect();
+        let of_chunks = chunks(batches.len()).into_iter().map(of_chunk);
+        let mut left: Vec<Factors> = of_chunks.collect();
         let parts = left.iter_mut().map(|factors| Part {
             factors: Some(factors),
             ..Part::default()
         });
-        let reduced = self.reduced_at(state, Gauge::Datum, parts.collect())?;
+        let reduced = self.reduced_at(state, Constraints::Datum, parts.collect())?;
         let mut factors = Factors::default();
         left.into_iter().for_each(|part| factors.append(part));
         Ok((reduced, factors))
@@ -106,14 +106,14 @@ impl Adjustment for GroupAdjustment<'_> {
         s: &[f64],
         next: &mut State,
     ) -> (f64, Result<Reduced, LeastSquaresError>) {
-        self.step_and(Some(Gauge::Free), from, (s, 1.0), next)
+        self.step_and(Some(Constraints::None), from, (s, 1.0), next)
     }
 
     fn free_motions(&self, state: &State) -> Vec<Vec<f64>> {
         self.datum.free_motions(state, self.shared())
     }
 
-    fn settle(&self, state: &mut State) {
+    fn apply_datum(&self, state: &mut State) {
         state.move_by(&best_fit(&state.points, &self.network.nominal_mm));
     }
 }
@@ -123,7 +123,7 @@ impl GroupAdjustment<'_> {
     fn reduced_at(
         &self,
         state: &State,
-        gauge: Gauge,
+        constraints: Constraints,
         parts: Vec<Part<'_>>,
     ) -> Result<Reduced, LeastSquaresError> {
         let pass = Pass {
@@ -131,15 +131,15 @@ impl GroupAdjustment<'_> {
             step: None,
             common: state.common(),
             shapes_mm: &state.shapes_mm,
-            gauge: Some(gauge),
+            constraints: Some(constraints),
         };
         Ok(observed(self.pass(pass, parts).1?, &self.known_rows(state)))
     }
 
-    /// Makes a step and, with a gauge, linearises all lengths at its end.
+    /// Makes a step and, with `constraints`, linearises all lengths at its end.
     fn step_and(
         &self,
-        gauge: Option<Gauge>,
+        constraints: Option<Constraints>,
         (state, linearised): (&State, &mut Vec<Linearised>),
         (s, factor): (&[f64], f64),
         next: &mut State,
@@ -147,7 +147,7 @@ impl GroupAdjustment<'_> {
         self.step_shared(state, s, factor, next);
         let known = self.known_rows(next);
         let of_known: f64 = known.iter().map(|row| row.residual.powi(2)).sum();
-        let groups = groups_of(&self.batches, &pieces(self.batches.len()));
+        let groups = groups_of(&self.batches, &chunks(self.batches.len()));
         let ends = &self.network.groups;
         let of_points = groups
             .iter()
@@ -171,10 +171,10 @@ impl GroupAdjustment<'_> {
                 contrasts_mm: &next.contrasts_mm,
             },
             shapes_mm: &next.shapes_mm,
-            gauge,
+            constraints,
         };
         let (squares, reduced) = self.pass(pass, parts.collect());
-        let reduced = match gauge {
+        let reduced = match constraints {
             Some(_) => reduced.map(|reduced| observed(reduced, &known)),
             None => reduced,
         };
@@ -187,19 +187,19 @@ impl GroupAdjustment<'_> {
         pass: Pass<'_>,
         parts: Vec<Part<'_>>,
     ) -> (f64, Result<Reduced, LeastSquaresError>) {
-        let pieces = pieces(self.batches.len()).into_iter();
-        let of_gauge = |gauge: Gauge| (self.shared(), gauge.constraints());
-        let (shared, constraints) = pass.gauge.map_or((0, 0), of_gauge);
+        let chunks = chunks(self.batches.len()).into_iter();
+        let of_constraints = |constraints: Constraints| (self.shared(), constraints.count());
+        let (shared, constraints) = pass.constraints.map_or((0, 0), of_constraints);
         let sums = in_parallel(
-            pieces.zip(parts).collect(),
+            chunks.zip(parts).collect(),
             #[inline(always)]
-            |(piece, mut part): (Range<usize>, Part<'_>)| {
+            |(chunk, mut part): (Range<usize>, Part<'_>)| {
                 self.memories.lend(
                     #[inline(always)]
                     |memory| {
                         memory.sums.reset(shared, constraints);
                         let (mut squares, mut outcome) = (Lanes::ZERO, Ok(()));
-                        for batch in &self.batches[piece] {
+                        for batch in &self.batches[chunk] {
                             let mut own = part.next(batch);
                             self.take(pass.state, batch, memory);
                             if let Some(step) = pass.step {
@@ -210,8 +210,8 @@ impl GroupAdjustment<'_> {
                                 squares += memory.beams.squares(batch, own.weights);
                             }
                             // The squares are needed even where the system cannot be reduced.
-                            if let (Some(gauge), Ok(())) = (pass.gauge, &outcome) {
-                                outcome = self.eliminate((batch, memory), gauge, &mut own);
+                            if let (Some(constraints), Ok(())) = (pass.constraints, &outcome) {
+                                outcome = self.eliminate((batch, memory), constraints, &mut own);
                             }
                         }
                         // A closure would not use the registers that were chosen.
@@ -245,7 +245,7 @@ impl GroupAdjustment<'_> {
         own: &mut Part<'_>,
     ) {
         memory.beams.fill(batch, pass.state.common());
-        self.fill_rows(batch, Gauge::Free, memory);
+        self.fill_rows(batch, Constraints::None, memory);
         let equations = &mut memory.equations;
         equations.take_off(s);
         for (first, count, weights) in by_visit(batch, own.weights) {
@@ -276,10 +276,10 @@ impl GroupAdjustment<'_> {
     fn eliminate(
         &self,
         (batch, memory): (&Batch, &mut Memory),
-        gauge: Gauge,
+        constraints: Constraints,
         own: &mut Part<'_>,
     ) -> Result<(), LeastSquaresError> {
-        self.fill_rows(batch, gauge, memory);
+        self.fill_rows(batch, constraints, memory);
         self.weigh(batch, memory);
         let Memory {
             equations, sums, ..

@@ -6,7 +6,7 @@ use trueaxis_leastsquares::{Adjusted, Adjustment, LANES, adjust};
 
 use crate::adjustment::GroupAdjustment;
 use crate::batches::{Batch, batches, check_seen};
-use crate::pieces::within_pool;
+use crate::chunks::within_pool;
 use crate::reflectors::constants_mm;
 use crate::start::{Start, start};
 use crate::state::{DATUM, PER_STATION, POSE, State, with_interruptions};
@@ -36,12 +36,13 @@ pub fn solve(network: &Network) -> Result<Solution, Error> {
     network.check()?;
     // First, so that too few lengths are reported as such.
     let batches = batches_of(network)?;
-    solve_from_start((network, &batches), start(network)?)
+    solve_from_start(network, &batches, start(network)?)
 }
 
 /// Solves a checked network of these groups.
 pub(crate) fn solve_from_start(
-    (network, batches): (&Network, &Arc<Vec<Batch>>),
+    network: &Network,
+    batches: &Arc<Vec<Batch>>,
     start: Start,
 ) -> Result<Solution, Error> {
     let Start { state, images } = start;
@@ -49,7 +50,7 @@ pub(crate) fn solve_from_start(
     if images.iter().all(Option::is_none) {
         return first?.solution();
     }
-    choose_sides((network, batches), &state, &images, first)
+    choose_sides(network, batches, &state, &images, first)
 }
 
 /// Adjusts a network from the solution `near` of a similar one: the same stations and groups, but other lengths,
@@ -61,13 +62,14 @@ pub(crate) fn solve_from_start(
 pub fn refine<'a>(network: &'a Network, near: &Solution) -> Result<Refined<'a>, Error> {
     network.check()?;
     within_pool(network.groups.len().div_ceil(LANES), || {
-        refine_batches((network, &batches_of(network)?), near)
+        refine_batches(network, &batches_of(network)?, near)
     })
 }
 
 /// [`refine`] for a checked network of these groups.
 fn refine_batches<'a>(
-    (network, batches): (&'a Network, &Arc<Vec<Batch>>),
+    network: &'a Network,
+    batches: &Arc<Vec<Batch>>,
     near: &Solution,
 ) -> Result<Refined<'a>, Error> {
     let (found, need) = (
@@ -116,7 +118,7 @@ pub fn solve_from(network: &Network, near: &Solution) -> Result<Solution, Error>
 /// Those of [`solve`].
 pub fn solve_with_noise(network: &Network, solved: &Solution) -> Result<Solution, Error> {
     network.noise.check()?;
-    refine_batches((network, &solved.batches), solved)?.solution()
+    refine_batches(network, &solved.batches, solved)?.solution()
 }
 
 /// An adjusted network, still without uncertainties.
@@ -228,7 +230,8 @@ fn ran_away(network: &Network, model: &GroupAdjustment<'_>, start: &State, error
 ///
 /// Moving one station at a time would be cheaper, but fails with two on the wrong side.
 fn choose_sides<'a>(
-    (network, batches): (&'a Network, &Arc<Vec<Batch>>),
+    network: &'a Network,
+    batches: &Arc<Vec<Batch>>,
     start: &State,
     images: &[Option<Station>],
     first: Result<Refined<'a>, Error>,

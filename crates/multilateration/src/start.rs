@@ -50,7 +50,7 @@ impl Start {
     /// # Errors
     /// Those of [`crate::solve`].
     pub fn solve(self, network: &Network) -> Result<Solution, Error> {
-        solve_from_start((network, &batches_of(network)?), self)
+        solve_from_start(network, &batches_of(network)?, self)
     }
 }
 

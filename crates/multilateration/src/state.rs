@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use trueaxis_kinematics::{centroid, polished};
 
 use crate::bodies::{Bodies, Placed};
+use crate::chunks::split_mut;
 use crate::network::Network;
-use crate::pieces::split_mut;
 use crate::reflectors::constants_mm;
 
 /// Unknowns of the datum: position and orientation.

@@ -10,8 +10,8 @@ use trueaxis_leastsquares::dot;
 
 use crate::batch_influence::{BatchInfluence, BatchRows};
 use crate::batches::{Batch, groups_of};
+use crate::chunks::split_mut;
 use crate::noise::factor_len;
-use crate::pieces::split_mut;
 use crate::slots::Slots;
 use crate::{Network, Solution};
 
@@ -86,15 +86,15 @@ impl Whitened {
         };
         let by_group = network.visits_by_group();
         let mut places: Vec<_> = whitened.by_visit(network).into_iter().map(Some).collect();
-        let of_piece = |piece: Range<usize>| {
-            let visits = groups_of(influence.batches(), &[piece])[0].clone();
+        let of_chunk = |chunk: Range<usize>| {
+            let visits = groups_of(influence.batches(), &[chunk])[0].clone();
             let visits = visits.flat_map(|group| &by_group[group]);
             visits.filter_map(|&visit| places[visit].take()).collect()
         };
-        let parts = influence.pieces().map(of_piece).collect();
-        influence.with_pieces(parts, |piece, places: Vec<VisitRows<'_>>, hat| {
+        let parts = influence.chunks().map(of_chunk).collect();
+        influence.with_chunks(parts, |chunk, places: Vec<VisitRows<'_>>, hat| {
             let (mut slots, mut places) = (Slots::new(network, &by_group), places.into_iter());
-            for b in piece {
+            for b in chunk {
                 let batch = &influence.batches()[b];
                 influence.fill(b, hat);
                 slots.take(batch.groups.clone());

@@ -172,7 +172,7 @@ impl Curve {
         self.sides.iter().flat_map(of_side).collect()
     }
 
-    /// Pairs of neighbours of those of the interpolation's remainder, where it is of third degree.
+    /// Each two neighbouring divided differences of the order of the interpolation's remainder, where this is of third degree.
     pub(crate) fn neighbouring_differences(&self) -> Vec<[DividedDifference; 2]> {
         let cubic = self.sides.iter().filter(|side| side.order == MOST_STEPS);
         let windows = cubic.flat_map(|side| side.knots.windows(MOST_STEPS + 2));
@@ -183,7 +183,7 @@ impl Curve {
         windows.map(pair).collect()
     }
 
-    /// Slopes from each step to that so many steps on.
+    /// The mean slope from each step to the one that is `steps` further on.
     pub(crate) fn slopes(&self, steps: usize) -> Vec<DividedDifference> {
         let of_side = |side: &Side| -> Vec<DividedDifference> {
             let windows = side.knots.windows(steps + 1);

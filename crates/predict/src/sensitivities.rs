@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVectorView};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensitivities {
     columns: usize,
-    pieces: Vec<Rows>,
+    blocks: Vec<Rows>,
 }
 
 /// Rows that follow each other, without the columns that are zero in all of them.
@@ -60,13 +60,13 @@ impl Rows {
 
 impl Sensitivities {
     /// Of rows that follow each other from the first on.
-    pub(crate) fn new(columns: usize, pieces: Vec<Rows>) -> Self {
-        Self { columns, pieces }
+    pub(crate) fn new(columns: usize, blocks: Vec<Rows>) -> Self {
+        Self { columns, blocks }
     }
 
     /// Numbers of rows and columns.
     pub fn shape(&self) -> (usize, usize) {
-        let last = self.pieces.last();
+        let last = self.blocks.last();
         (last.map_or(0, |last| last.first + last.count), self.columns)
     }
 
@@ -75,15 +75,15 @@ impl Sensitivities {
     /// # Panics
     /// If there is no such row.
     pub fn row(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let piece = self.pieces.partition_point(|piece| piece.first <= row) - 1;
-        let piece = &self.pieces[piece];
-        piece.row(row - piece.first)
+        let block = self.blocks.partition_point(|block| block.first <= row) - 1;
+        let block = &self.blocks[block];
+        block.row(row - block.first)
     }
 
     /// All elements, row after row.
     pub fn elements(&self) -> impl Iterator<Item = f64> + '_ {
-        let rows = self.pieces.iter();
-        let rows = rows.flat_map(|piece| (0..piece.count).map(|i| piece.row(i)));
+        let rows = self.blocks.iter();
+        let rows = rows.flat_map(|block| (0..block.count).map(|i| block.row(i)));
         rows.flat_map(|row| {
             let mut dense = vec![0.0; self.columns];
             row.for_each(|(column, x)| dense[column] = x);
@@ -93,9 +93,9 @@ impl Sensitivities {
 
     /// Multiplies each row by a factor.
     pub(crate) fn multiply(&mut self, factors: &[f64]) {
-        for piece in &mut self.pieces {
-            let rows = piece.values.chunks_exact_mut(piece.columns.len().max(1));
-            for (row, factor) in rows.zip(&factors[piece.first..]) {
+        for block in &mut self.blocks {
+            let rows = block.values.chunks_exact_mut(block.columns.len().max(1));
+            for (row, factor) in rows.zip(&factors[block.first..]) {
                 row.iter_mut().for_each(|x| *x *= factor);
             }
         }
@@ -104,12 +104,12 @@ impl Sensitivities {
     /// Takes away the columns that no row uses, and says which are left.
     pub(crate) fn drop_unused_columns(&mut self) -> Vec<usize> {
         let mut used: Vec<usize> = Vec::new();
-        for piece in &self.pieces {
-            used.extend(&piece.columns);
+        for block in &self.blocks {
+            used.extend(&block.columns);
             used.sort_unstable();
             used.dedup();
         }
-        for column in self.pieces.iter_mut().flat_map(|piece| &mut piece.columns) {
+        for column in self.blocks.iter_mut().flat_map(|block| &mut block.columns) {
             *column = used.partition_point(|u| u < column);
         }
         self.columns = used.len();
@@ -118,15 +118,15 @@ impl Sensitivities {
 
     /// Appends a column.
     pub(crate) fn push_column(&mut self, column: &[f64]) {
-        for piece in &mut self.pieces {
-            let added = &column[piece.first..piece.first + piece.count];
+        for block in &mut self.blocks {
+            let added = &column[block.first..block.first + block.count];
             let all = added.iter().enumerate().flat_map(|(i, &x)| {
-                let row = piece.row(i).map(|(_, value)| value);
+                let row = block.row(i).map(|(_, value)| value);
                 row.chain([x])
             });
             let values = all.collect();
-            piece.values = values;
-            piece.columns.push(self.columns);
+            block.values = values;
+            block.columns.push(self.columns);
         }
         self.columns += 1;
     }
@@ -140,7 +140,7 @@ mod tests {
     fn is_the_matrix_that_it_was_made_of() {
         let dense =
             DMatrix::from_row_slice(3, 4, &[1., 0., 0., 2., 0., 0., 0., 0., 0., 0., 3., 4.]);
-        let pieces = |split: usize| {
+        let blocks = |split: usize| {
             let (upper, lower) = (dense.rows(0, split), dense.rows(split, 3 - split));
             vec![
                 Rows::new(0, &upper.into_owned()),
@@ -148,7 +148,7 @@ mod tests {
             ]
         };
         for split in [1, 2] {
-            let mut found = Sensitivities::new(4, pieces(split));
+            let mut found = Sensitivities::new(4, blocks(split));
             let as_matrix = |found: &Sensitivities| {
                 let (rows, columns) = found.shape();
                 DMatrix::from_row_iterator(rows, columns, found.elements())

@@ -265,20 +265,17 @@ fn cause(index: usize, cause: &Cause) -> CauseView {
 
 /// The least and the largest of a free form over the position, µm or arcsec; nothing without one.
 fn along_it(cause: &Cause) -> String {
-    let mean = cause.mean_lost_motion.as_ref();
-    let [unit, of_position] = match mean.map(|mean| mean.unit.as_str()) {
-        Some("arcsec") => ["″", "°"],
-        _ => ["\u{a0}µm", "\u{a0}mm"],
+    let points = cause.curve.iter().flatten();
+    let [unit, of_position] = match points.clone().any(|point| point.of.is_angular()) {
+        true => ["″", "°"],
+        false => ["\u{a0}µm", "\u{a0}mm"],
     };
-    let mut all: Vec<[f64; 3]> = Vec::new();
-    for point in cause.curve.iter().flatten() {
-        let first = |values: &[f64]| values.first().copied();
-        if let (Some(at), Some(value), Some(u)) =
-            (first(&point.at), first(&point.value_um), first(&point.u_um))
-        {
-            all.push([at, value, u]);
-        }
-    }
+    let first = |of: [&[f64]; 3]| -> Option<[f64; 3]> {
+        let [at, value, u] = of.map(|values| values.first().copied());
+        Some([at?, value?, u?])
+    };
+    let all = points.filter_map(|point| first([&point.at, point.of.values(), point.of.u()]));
+    let mut all: Vec<[f64; 3]> = all.collect();
     let places = told_places(all.iter().map(|point| point[0]));
     all.sort_by(|a, b| a[1].total_cmp(&b[1]));
     let told = |[at, value, u]: &[f64; 3]| {

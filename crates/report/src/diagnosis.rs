@@ -3,6 +3,7 @@
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
+use crate::calibration::Curve;
 use crate::words;
 
 #[derive(Debug, Default, Deserialize)]
@@ -196,15 +197,12 @@ impl Disturbance {
     }
 }
 
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
+#[derive(Debug, Deserialize)]
 pub(crate) struct CurvePoint {
     pub(crate) at: Vec<f64>,
-    /// Of lost motion of a rotary axis arcsec.
-    #[serde(alias = "value_arcsec")]
-    pub(crate) value_um: Vec<f64>,
-    #[serde(alias = "u_arcsec")]
-    pub(crate) u_um: Vec<f64>,
+    /// The coordinates there.
+    #[serde(flatten)]
+    pub(crate) of: Curve,
 }
 
 /// What one kind of data says.

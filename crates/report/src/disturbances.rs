@@ -62,10 +62,10 @@ fn smooth(k: usize, curve: &[CurvePoint], of: &Disturbance) -> Vec<Figure> {
     if curve.iter().any(|point| point.at.is_empty()) {
         return Vec::new();
     }
-    let count = curve.first().map_or(0, |point| point.value_um.len());
+    let count = curve.first().map_or(0, |point| point.of.values().len());
     let part = |point: &CurvePoint, c: usize, sign: f64| {
-        let value = point.value_um.get(c).copied().unwrap_or(f64::NAN);
-        let u = point.u_um.get(c).copied().unwrap_or(0.0);
+        let value = point.of.values().get(c).copied().unwrap_or(f64::NAN);
+        let u = point.of.u().get(c).copied().unwrap_or(0.0);
         [point.at[0], value + 2.0 * sign * u]
     };
     let all = |c: usize, sign: f64| curve.iter().map(move |point| part(point, c, sign));

@@ -67,8 +67,8 @@ const CALCULATED_MM: f64 = 1e-4;
 /// Parts that the data separate less than this (`1 - ρ²` of their estimates) get a common factor.
 pub const LEAST_SEPARATION: f64 = 0.01;
 
-/// Settled when no factor differs from one by more than this share of its own uncertainty.
-const SETTLED: f64 = 0.02;
+/// Converged when no factor differs from one by more than this share of its own uncertainty.
+const CONVERGED: f64 = 0.02;
 
 const MAX_ITERATIONS: usize = 12;
 
@@ -162,7 +162,7 @@ pub(crate) fn level(given: Noise) -> Noise {
     }
 }
 
-/// The estimate of both parts, improved until they settle; `None` if they do not settle, if the lengths do not separate them
+/// The estimate of both parts, improved until they converge; `None` if they do not converge, if the lengths do not separate them
 /// there, or if the adjustment does not converge.
 fn both_parts(adjusted: &mut Weighted<'_>, given: Noise) -> Result<Option<NoiseEstimate>, Error> {
     let start = adjusted.network.noise;
@@ -173,9 +173,9 @@ fn both_parts(adjusted: &mut Weighted<'_>, given: Noise) -> Result<Option<NoiseE
             return Ok(None);
         };
         let told_apart = found.separation >= LEAST_SEPARATION;
-        let settled = (0..2)
-            .all(|k| (found.factors[k] - 1.0).abs() <= SETTLED * found.covariance[(k, k)].sqrt());
-        if settled {
+        let converged = (0..2)
+            .all(|k| (found.factors[k] - 1.0).abs() <= CONVERGED * found.covariance[(k, k)].sqrt());
+        if converged {
             // Only the lengths must be known well: a repeatability that is small beside them needs no more.
             let worth = 2.0 / found.covariance[(0, 0)] >= LEAST_DEGREES_OF_FREEDOM;
             let noise = adjusted.network.noise;

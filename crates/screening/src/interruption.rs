@@ -1,13 +1,13 @@
 //! Whether the zero of a station jumped, or something else happened.
 //!
 //! A beam interruption changes all later lengths of a station's occupation by one constant. Other things
-//! raise the test of such a step, too: a drift (of the zero or the tripod), or a displacement of the station or the
-//! machine (the change depends on the direction of the beam). The occupation is split only if the step explains the
+//! raise the test of such a jump, too: a drift (of the zero or the tripod), or a displacement of the station or the
+//! machine (the change depends on the direction of the beam). The occupation is split only if the jump explains the
 //! lengths better than all of these.
 //!
 //! So does a zero or a tripod that wanders in an unknown smooth course, such as a swing. The course is a process with
 //! Matérn's covariance in half waves ([`trueaxis_leastsquares::matern_roots`]), its size by restricted maximum
-//! likelihood; the step must be needed beside it.
+//! likelihood; the jump must be needed beside it.
 
 use std::ops::Range;
 
@@ -17,13 +17,13 @@ use trueaxis_leastsquares::dense::Svd;
 use trueaxis_leastsquares::{half_waves, matern_roots};
 use trueaxis_multilateration::{Network, Solution, Visit, Whitened};
 
-use crate::step_tests::StepTest;
+use crate::jump_tests::JumpTest;
 
-/// Lead of a step over other explanations that is needed, as a difference of squares of standardised sizes: a
+/// Lead of a jump over other explanations that is needed, as a difference of squares of standardised sizes: a
 /// likelihood ratio of e⁵.
 const AHEAD: f64 = 10.0;
 
-/// A displacement has three parameters, the step one; by chance alone its square is larger by at most this
+/// A displacement has three parameters, the jump one; by chance alone its square is larger by at most this
 /// (chi-squared with two degrees of freedom, one in e⁵).
 const DISPLACEMENT_CHANCE: f64 = 10.0;
 
@@ -37,24 +37,24 @@ const WAVES: u32 = 12;
 /// Exponents of the sizes tried: quarter powers of ten, times the variance that the lengths can just see.
 const SIZES: Range<i32> = -8..41;
 
-/// A step and its rival explanations: how far each lowers the sum of squares, in variances of w.
+/// A jump and its rival explanations: how far each lowers the sum of squares, in variances of w.
 pub(crate) struct Rivals<'a> {
-    step: &'a StepTest,
+    jump: &'a JumpTest,
     rows: &'a Whitened,
     /// Standard deviation of w.
     spread: f64,
-    /// The readings of the step's zero.
+    /// The readings of the jump's zero.
     occupation: Vec<usize>,
     /// The directions of the beams of these readings.
     beams: Vec<Vector3<f64>>,
-    /// Visits of the occupation: the instants at which the step was sought.
+    /// Visits of the occupation: the instants at which the jump was sought.
     instants: usize,
     /// All visits from the first of the occupation to its last, and their readings.
     visits: Range<usize>,
     readings: Range<usize>,
 }
 
-/// Explanations of a step that are certainly wrong.
+/// Explanations of a jump that are certainly wrong.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Excluded {
     /// A displacement of the station.
@@ -71,16 +71,16 @@ enum Mover {
 }
 
 impl<'a> Rivals<'a> {
-    /// The rivals of a step; `spread` is the standard deviation of w.
+    /// The rivals of a jump; `spread` is the standard deviation of w.
     pub(crate) fn of(
-        step: &'a StepTest,
+        jump: &'a JumpTest,
         (network, solution): (&Network, &Solution),
         rows: &'a Whitened,
         spread: f64,
     ) -> Self {
         let zeros = network.zero_of_readings();
-        let zero = zeros[step.first_reading];
-        let station_mm = solution.stations[step.station].position_mm;
+        let zero = zeros[jump.first_reading];
+        let station_mm = solution.stations[jump.station].position_mm;
         let (mut occupation, mut beams, mut instants) = (Vec::new(), Vec::new(), 0);
         let is_own = |reading: usize| zeros[reading] == zero;
         let has_own = |visit: &Visit| visit.readings.clone().any(is_own);
@@ -103,7 +103,7 @@ impl<'a> Rivals<'a> {
             }
         }
         Self {
-            step,
+            jump,
             rows,
             spread,
             occupation,
@@ -114,35 +114,35 @@ impl<'a> Rivals<'a> {
         }
     }
 
-    /// Whether the step is that of an interrupted beam, or of something that cannot be distinguished. With
-    /// `cuts_what_wanders` a wandering course counts as one, too.
-    pub(crate) fn is_interruption(&self, cuts_what_wanders: bool) -> bool {
-        let step = self.step();
+    /// Whether the jump is that of an interrupted beam, or of something that cannot be distinguished. With
+    /// `splits_what_wanders` a wandering course counts as one, too.
+    pub(crate) fn is_interruption(&self, splits_what_wanders: bool) -> bool {
+        let jump = self.jump();
         // The most costly test comes last.
-        step > self.drift() + AHEAD
-            && step > self.displacement().max(self.settles(Mover::Station)) - DISPLACEMENT_CHANCE
-            && (cuts_what_wanders || self.wandering_mm().is_none())
+        jump > self.drift() + AHEAD
+            && jump > self.displacement().max(self.settles(Mover::Station)) - DISPLACEMENT_CHANCE
+            && (splits_what_wanders || self.wandering_mm().is_none())
     }
 
-    /// Rms of the zero if it wanders, mm; `None` if the step is needed beside a zero or a station that wanders.
+    /// Rms of the zero if it wanders, mm; `None` if the jump is needed beside a zero or a station that wanders.
     pub(crate) fn wandering_mm(&self) -> Option<f64> {
         let (explained, rms_mm) = self.beside_wander();
         (explained <= AHEAD).then_some(rms_mm)
     }
 
-    /// Excludes what explains clearly less than the step: a displacement at its instant; a wandering course, even
-    /// though the step was sought at all instants (the largest of n squares exceeds a single one by 2 ln n).
+    /// Excludes what explains clearly less than the jump: a displacement at its instant; a wandering course, even
+    /// though the jump was sought at all instants (the largest of n squares exceeds a single one by 2 ln n).
     pub(crate) fn excluded(&self) -> Excluded {
         let sought = 2.0 * (self.instants.max(1) as f64).ln();
         Excluded {
-            tripod: self.step() > self.displacement() + AHEAD,
+            tripod: self.jump() > self.displacement() + AHEAD,
             wander: self.beside_wander().0 > AHEAD + sought,
         }
     }
 
-    /// Drop of the sum of squares by the step, in variances of w; so for the following functions.
-    fn step(&self) -> f64 {
-        (self.step.w / self.spread).powi(2)
+    /// Drop of the sum of squares by the jump, in variances of w; so for the following functions.
+    fn jump(&self) -> f64 {
+        (self.jump.w / self.spread).powi(2)
     }
 
     /// The better of a zero that drifts and one that settles.
@@ -159,12 +159,12 @@ impl<'a> Rivals<'a> {
         after.map(squares).fold(0.0, f64::max)
     }
 
-    /// A displacement of the station at the instant of the step.
+    /// A displacement of the station at the instant of the jump.
     fn displacement(&self) -> f64 {
         self.squares(Mover::Station, |k| self.jumps(k))
     }
 
-    /// What the step explains beside a zero or a station that wanders, and the rms of a zero that wanders alone, mm.
+    /// What the jump explains beside a zero or a station that wanders, and the rms of a zero that wanders alone, mm.
     fn beside_wander(&self) -> (f64, f64) {
         let places = 0..self.occupation.len();
         let waves: Vec<Vec<f64>> = places
@@ -178,14 +178,14 @@ impl<'a> Rivals<'a> {
             let (left, right) = self.normal_equations(&columns);
             let (of_waves, along) = (left.view((0, 0), (n, n)), right.rows(0, n));
             let alone = wander(&of_waves.into_owned(), &along.into_owned(), self.spread);
-            // The step is free: take what it explains out of the waves.
-            let (own, of_step) = (left.column(n).rows(0, n) / left[(n, n)], right[n]);
+            // The jump is free: take what it explains out of the waves.
+            let (own, of_jump) = (left.column(n).rows(0, n) / left[(n, n)], right[n]);
             let of_waves = of_waves - &own * left.view((n, 0), (1, n));
-            let beside = wander(&of_waves, &(along - own * of_step), self.spread);
+            let beside = wander(&of_waves, &(along - own * of_jump), self.spread);
             (beside.ratio - alone.ratio, alone.rms_mm)
         };
         let (of_zero, of_station) = rayon::join(|| of(Mover::Zero), || of(Mover::Station));
-        (of_zero.0.min(of_station.0) + self.step(), of_zero.1)
+        (of_zero.0.min(of_station.0) + self.jump(), of_zero.1)
     }
 
     /// The part of the occupation that has passed at its reading `k`, 0 to 1.
@@ -193,9 +193,9 @@ impl<'a> Rivals<'a> {
         k as f64 / (self.occupation.len().max(2) as f64 - 1.0)
     }
 
-    /// The course of a jump at the instant of the step.
+    /// The course of the jump: 0 before its instant, 1 after it.
     fn jumps(&self, k: usize) -> f64 {
-        f64::from(u8::from(self.occupation[k] >= self.step.first_reading))
+        f64::from(u8::from(self.occupation[k] >= self.jump.first_reading))
     }
 
     fn squares(&self, mover: Mover, course: impl Fn(usize) -> f64) -> f64 {

@@ -43,6 +43,7 @@ mod error;
 mod estimate_noise;
 mod guard;
 mod interruption;
+mod jump_tests;
 mod reflector_set;
 mod reliability;
 mod returns;
@@ -52,7 +53,6 @@ mod screened;
 mod search;
 mod slip;
 mod slow;
-mod step_tests;
 mod uneven;
 mod unnoticed;
 

@@ -123,7 +123,7 @@ impl Axes<'_> {
     }
 
     /// Seeks gross errors again in the noise of what `adjusted` makes of those found, until as many are left.
-    fn settle(
+    fn iterate(
         &self,
         found: &mut Cow<'_, Screened>,
         ratios: &mut [AxisReturn],

@@ -3,8 +3,8 @@
 //! In turn:
 //!
 //! 1. Lengths far from what the nominal positions predict are removed before the first adjustment.
-//! 2. Redescending weights release lengths that stand out from their neighbours in time. Among the rest, steps in the
-//!    zero of a station are sought; a step that nothing else explains as well splits the station's occupation.
+//! 2. Redescending weights release lengths that stand out from their neighbours in time. Among the rest, jumps of the
+//!    zero of a station are sought; a jump that nothing else explains as well splits the station's occupation.
 //! 3. Redescending weights release all far lengths.
 //! 4. Data snooping (Baarda): in each group the length with the largest test is removed, or else the one that fits
 //!    again comes back, one at a time, until nothing changes. The level is that of all tests together.
@@ -88,10 +88,10 @@ pub fn screen_unless(
             return Screened::as_found(network, declared, &of_weighed);
         }
         match found {
-            // A zero that wanders far looks like many gross errors; cut into pieces it may be acceptable.
+            // A zero that wanders far looks like many gross errors; split it may be acceptable.
             Err(error) if error.is_contradiction() => {
                 let mut work = work(network)?;
-                work.cuts_what_wanders = true;
+                work.splits_what_wanders = true;
                 screen_by(network, &mut work)
             }
             done => done,
@@ -148,7 +148,7 @@ fn screen_by(network: &Network, work: &mut Search) -> Result<Screened, Error> {
     }
     let screened = work.finished(network)?;
     Ok(Screened {
-        settled: false,
+        converged: false,
         ..screened
     })
 }

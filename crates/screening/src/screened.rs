@@ -29,7 +29,7 @@ pub struct Screened {
     /// The zeros that wander in a smooth course instead of jumping.
     pub wandering: Vec<WanderingZero>,
     /// Whether the search came to an end. If not, tests still ask for changes.
-    pub settled: bool,
+    pub converged: bool,
     /// The tests at the solution, if the search made them ([`Screened::tests`]).
     pub tests: Option<Arc<Tests>>,
 }
@@ -126,7 +126,7 @@ impl Screened {
             removed: self.removed.clone(),
             jumps: self.jumps.clone(),
             wandering: self.wandering.clone(),
-            settled: self.settled,
+            converged: self.converged,
             ..adjusted
         }
     }
@@ -144,7 +144,7 @@ impl Screened {
             removed: Vec::new(),
             jumps: Vec::new(),
             wandering: Vec::new(),
-            settled: true,
+            converged: true,
             tests: None,
         })
     }

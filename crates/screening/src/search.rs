@@ -16,9 +16,9 @@ use trueaxis_multilateration::{
 use self::far_readings::far_at;
 use crate::estimate_noise::NoiseEstimate;
 use crate::interruption::Excluded;
+use crate::jump_tests::JumpTest;
 use crate::robust_weights::{REMOVED, spread};
 use crate::screened::Screened;
-use crate::step_tests::StepTest;
 use crate::uneven::weigh_uneven;
 use crate::{Error, guard};
 
@@ -54,8 +54,8 @@ pub(crate) fn reading_limit(readings: usize) -> f64 {
     critical(READINGS_LEVEL, readings, f64::INFINITY)
 }
 
-/// The limit of |w| of a step in a zero.
-pub(crate) fn step_limit(readings: usize) -> f64 {
+/// The limit of |w| of a jump of a zero.
+pub(crate) fn jump_limit(readings: usize) -> f64 {
     critical(splits::STEPS_LEVEL, readings, f64::INFINITY)
 }
 
@@ -76,8 +76,8 @@ pub(crate) struct Search {
     start: Option<Start>,
     /// The tests at the solution, once they were needed.
     tests: Option<Arc<Tests>>,
-    /// The largest step of each zero at the solution, once it was sought.
-    largest_steps: Option<Vec<StepTest>>,
+    /// The largest jump of each zero at the solution, once it was sought.
+    largest_jumps: Option<Vec<JumpTest>>,
     /// Whether the network's noise is more than a guess.
     declared: bool,
     /// Share of the readings that may be removed.
@@ -86,14 +86,14 @@ pub(crate) struct Search {
     far: Vec<(usize, f64)>,
     /// Readings that were removed because nothing checks them without a wrong one: they do not come back.
     unchecked: Vec<bool>,
-    /// So many steps were found that something else changes with time: no occupation is split.
+    /// So many jumps were found that something else changes with time: no occupation is split.
     never_split: bool,
     /// Whether occupations are also split where a zero or a tripod wanders.
-    pub(crate) cuts_what_wanders: bool,
+    pub(crate) splits_what_wanders: bool,
     /// Explanations of the interruptions that are certainly wrong.
     excluded: Vec<(Interruption, Excluded)>,
     /// Whether the snooping came to an end.
-    settled: bool,
+    converged: bool,
     /// Consecutive solutions that did not converge.
     lost: usize,
     /// Degrees of freedom of the network's noise once it is estimated; w then has unit variance.
@@ -128,15 +128,15 @@ impl Search {
             solution: None,
             start: Some(start),
             tests: None,
-            largest_steps: None,
+            largest_jumps: None,
             declared,
             most_removed,
             far,
             unchecked: vec![false; readings],
             never_split: false,
-            cuts_what_wanders: false,
+            splits_what_wanders: false,
             excluded: Vec::new(),
-            settled: true,
+            converged: true,
             lost: 0,
             noise_known: None,
         })
@@ -212,7 +212,7 @@ impl Search {
         };
         self.solution = Some(solution);
         self.tests = None;
-        self.largest_steps = None;
+        self.largest_jumps = None;
     }
 
     fn is_lost(&self) -> bool {
@@ -323,7 +323,7 @@ impl Search {
         let changes = self.changes(&tests, spread);
         Ok(!changes.is_empty()
             || self.weakest_split(spread).is_some()
-            || self.step(&tests.readings, spread).is_some())
+            || self.jump(&tests.readings, spread).is_some())
     }
 
     /// `original` with less weight for lengths that scatter more than the others, if any do.

@@ -16,8 +16,8 @@ use nalgebra::{DMatrix, DMatrixView, Matrix3, RowVector3, SymmetricEigen, Vector
 use trueaxis_leastsquares::f_upper_tail;
 use trueaxis_multilateration::{CHECKED_TOL, Network, Solution, Visit, Whitened};
 
+use crate::jump_tests::largest_jumps;
 use crate::screened::Screened;
-use crate::step_tests::largest_steps;
 use crate::uneven::place_of;
 
 /// Instants that are tried for each target, from each station and from all.
@@ -95,7 +95,7 @@ impl Screened {
         let left = rows.residuals.iter().map(|v| v * v).sum::<f64>() - most;
         let ratio = most / COORDINATES / (left / redundancy);
         let p_value = (f_upper_tail(ratio, COORDINATES, redundancy) * tried as f64).min(1.0);
-        let jumps = largest_steps(network, &rows).into_iter();
+        let jumps = largest_jumps(network, &rows).into_iter();
         let least = jumps.fold(most, |most, jump| most.max(jump.w * jump.w)) - AHEAD;
         slips.retain(|slip| p_value < LEVEL && slip.statistic > least);
         slips.iter_mut().for_each(|slip| slip.p_value = p_value);

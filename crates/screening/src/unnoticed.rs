@@ -1,12 +1,12 @@
 //! A jump of a zero that is not found, and what it does (external reliability, Baarda 1968).
 //!
-//! The test of a step `c` ([`crate::step_tests`]) finds it with a probability of 80 % where its size is at least
+//! The test of a jump `c` ([`crate::jump_tests`]) finds it with a probability of 80 % where its size is at least
 //!
 //! ```text
 //! ∇₀ = (z_{1-α/2} + z_{1-β}) / √(cᵀ M c)
 //! ```
 //!
-//! with what the adjustment leaves of the whitened step, `M c`. Where a station reads each stop once, the poses before
+//! with what the adjustment leaves of the whitened jump, `M c`. Where a station reads each stop once, the poses before
 //! the instant and those after it share nothing but the stations: they absorb most of the jump, so that ∇₀ is many times
 //! the noise, and moves them by many of their uncertainties. Stops that are read again show a jump as it is.
 
@@ -17,7 +17,7 @@ use trueaxis_multilateration::{CHECKED_TOL, Network, Solution, Trials, Whitened}
 
 use crate::reliability::with_power;
 use crate::screened::Screened;
-use crate::search::step_limit;
+use crate::search::jump_limit;
 
 /// Instants that are tried for each zero, and the fewest visits before and after one.
 const INSTANTS: usize = 8;
@@ -60,10 +60,10 @@ impl Screened {
         let rows = Whitened::new(network, solution);
         let trials = Trials::new(network, solution);
         let (mut workspace, mut errors_mm) = (trials.workspace(), vec![0.0; trials.errors()]);
-        let detectable = with_power(step_limit(network.readings.len()));
+        let detectable = with_power(jump_limit(network.readings.len()));
         let mut worst: Option<Unnoticed> = None;
-        for ((station, first_reading), step) in steps(network) {
-            let mut whitened = step.clone();
+        for ((station, first_reading), jump) in jumps(network) {
+            let mut whitened = jump.clone();
             rows.whiten(&mut whitened);
             let mut left = whitened.clone();
             rows.project(&mut left);
@@ -72,8 +72,8 @@ impl Screened {
                 continue;
             }
             let jump_mm = detectable / kept.sqrt();
-            for (error_mm, step) in errors_mm.iter_mut().zip(&step) {
-                *error_mm = jump_mm * step;
+            for (error_mm, jump) in errors_mm.iter_mut().zip(&jump) {
+                *error_mm = jump_mm * jump;
             }
             let moved = trials.solve(&errors_mm, &mut workspace);
             for (group, u) in u.iter().enumerate() {
@@ -109,7 +109,7 @@ fn uncertainties(network: &Network, solution: &Solution) -> Vec<Vec<f64>> {
 }
 
 /// Unit jumps of the zeros: the station, the first reading, and an element for each reading.
-fn steps(network: &Network) -> impl Iterator<Item = ((usize, usize), Vec<f64>)> {
+fn jumps(network: &Network) -> impl Iterator<Item = ((usize, usize), Vec<f64>)> {
     let zeros = network.zero_of_readings();
     (0..network.zeros()).flat_map(move |zero| {
         let is_own = |i: &usize| zeros[*i] == zero;
@@ -120,13 +120,13 @@ fn steps(network: &Network) -> impl Iterator<Item = ((usize, usize), Vec<f64>)> 
         let own: Vec<_> = own.collect();
         let first = (1..=INSTANTS).map(|k| own.len() * k / (INSTANTS + 1));
         let first = first.filter(|first| (*first).min(own.len() - first) >= LEAST_VISITS);
-        let step = |first: usize| {
-            let mut step = vec![0.0; zeros.len()];
+        let jump = |first: usize| {
+            let mut jump = vec![0.0; zeros.len()];
             let after = own[first..].iter().flat_map(|visit| visit.readings.clone());
-            after.filter(is_own).for_each(|i| step[i] = 1.0);
+            after.filter(is_own).for_each(|i| jump[i] = 1.0);
             let visit = own[first];
-            ((visit.station, visit.readings.start), step)
+            ((visit.station, visit.readings.start), jump)
         };
-        first.map(step).collect::<Vec<_>>()
+        first.map(jump).collect::<Vec<_>>()
     })
 }

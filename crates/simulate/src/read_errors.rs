@@ -81,10 +81,8 @@ fn location(
             }
             .at(field));
         }
-        match component {
-            LocationComponent::Offset(i) => location.offset_mm[i] = given,
-            LocationComponent::Tilt(i) => location.tilt_rad[i] = given * ARCSEC,
-        }
+        let size = if component.is_angular() { ARCSEC } else { 1.0 };
+        *component.of_mut(&mut location) = given * size;
     }
     Ok(location)
 }

@@ -26,7 +26,7 @@ pub struct Scenario {
     pub name: String,
     /// Nominal geometry, as in `campaign.json`.
     pub machine: MachineSpec,
-    /// Declared accuracy, as in `campaign.json`; the true noise too, unless `noise` differs.
+    /// As in `campaign.json`; its declared noise is the true noise too, unless `noise` differs.
     #[serde(default)]
     pub instrument: Instrument,
     /// Targets on the stages.

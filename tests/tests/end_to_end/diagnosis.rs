@@ -1,7 +1,7 @@
 //! Blind diagnosis: campaigns with something hidden in them; the truth is opened after the diagnosis.
 //!
 //! The fast part of the study in `examples/blind.rs`. At λ = 12 a single cause is missed with a
-//! probability below 1e-6 and confused only where the effects are alike (docs/diagnosis.md).
+//! probability below 1e-6 and confused only where the effects are alike (docs/diagnosis-tests.md).
 
 use trueaxis_diagnose::{Cause, Diagnosis, Settings, Verdict, diagnose};
 use trueaxis_effects::{Level, ResolvedEffect};
@@ -267,13 +267,13 @@ fn a_bump_and_a_drift_of_one_station_are_told_apart() {
         scenario.effects = serde_json::from_str(effects).unwrap();
     });
     // A jump of the tripod is a shift of the machine by the opposite vector; either name may come first.
-    let twins = [
+    let opposites = [
         ("jump_x", "shift_x", 4.0),
         ("jump_y", "shift_y", -3.0),
         ("jump_z", "shift_z", 2.0),
     ];
     let drift = ("rate_S2", "rate_S2", 5.0);
-    for (name, opposite, truth) in twins.into_iter().chain([drift]) {
+    for (name, opposite, truth) in opposites.into_iter().chain([drift]) {
         let parameters = diagnosis.causes.iter().flat_map(|cause| &cause.parameters);
         let found = parameters
             .clone()

@@ -7,7 +7,7 @@ use trueaxis_tests::blind::{self, Kind};
 use trueaxis_tests::in_parallel;
 
 /// Campaigns in which an occupation is split, of those that are not refused, and their number.
-fn cut(effect: &str, strength: f64, seeds: u64) -> [usize; 2] {
+fn split(effect: &str, strength: f64, seeds: u64) -> [usize; 2] {
     let kind = Kind::three_axis();
     let mut counts = [0; 2];
     for seed in 0..seeds {
@@ -27,13 +27,13 @@ fn cut(effect: &str, strength: f64, seeds: u64) -> [usize; 2] {
 }
 
 #[test]
-fn a_tripod_that_settles_is_not_cut() {
-    assert_eq!(cut("station_settling", 20.0, 4), [0, 4]);
+fn a_tripod_that_settles_is_not_split() {
+    assert_eq!(split("station_settling", 20.0, 4), [0, 4]);
 }
 
 #[test]
 #[ignore = "study: 128 calibrations"]
-fn what_drifts_or_settles_is_not_cut() {
+fn what_drifts_or_settles_is_not_split() {
     for effect in [
         "station_settling",
         "station_drift",
@@ -41,7 +41,7 @@ fn what_drifts_or_settles_is_not_cut() {
         "warm_up",
     ] {
         for strength in [10.0, 20.0, 40.0, 80.0] {
-            assert_eq!(cut(effect, strength, 8)[0], 0);
+            assert_eq!(split(effect, strength, 8)[0], 0);
         }
     }
 }
@@ -94,7 +94,7 @@ fn swings(seeds: std::ops::Range<u64>, amplitudes_um: &[f64]) -> (Vec<String>, u
 
 /// A zero that swings smoothly is no interrupted beam: nothing is cut, and a notice says that it wanders.
 #[test]
-fn a_zero_that_swings_is_not_cut() {
+fn a_zero_that_swings_is_not_split() {
     let (interrupted, told, refused) = swings(0..2, &[4.0]);
     assert!(interrupted.is_empty());
     assert_eq!((told, refused), (8, 0));
@@ -104,7 +104,7 @@ fn a_zero_that_swings_is_not_cut() {
 /// after all instants were tried: less than one in a hundred.
 #[test]
 #[ignore = "study: 96 calibrations"]
-fn zeros_that_swing_are_not_cut() {
+fn zeros_that_swing_are_not_split() {
     let (interrupted, _, _) = swings(10..18, &[2.0, 4.0, 8.0]);
     assert!(interrupted.len() <= 1);
 }

@@ -7,6 +7,7 @@
 
 mod angular_repeatability;
 mod bed;
+mod confounded;
 mod contradicting_runs;
 mod coupled_axes;
 mod coverage;
@@ -37,7 +38,6 @@ mod settling;
 mod slipped_target;
 mod temperatures;
 mod triangle;
-mod twins;
 mod uneven_axes;
 mod verification;
 mod volume;

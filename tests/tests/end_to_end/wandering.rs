@@ -1,6 +1,6 @@
 //! What wanders in a course that nobody knows: beside a cause it takes no name away, alone it gets none.
 //!
-//! The fast part of the studies of docs/diagnosis.md (`examples/blind.rs`).
+//! The fast part of the studies of docs/diagnosis-tests.md (`examples/blind.rs`).
 
 use trueaxis_campaign::Campaign;
 use trueaxis_diagnose::{Diagnosis, Rival, Settings, Verdict, Wandering, diagnose};

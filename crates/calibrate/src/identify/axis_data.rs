@@ -1,4 +1,4 @@
-//! The measurements of one axis: its runs, records and nodes.
+//! The measurements of one axis: its runs, poses and nodes.
 
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::{AxisKind, Machine};
@@ -14,11 +14,11 @@ pub(crate) struct AxisData {
     /// Campaign runs of the axis.
     pub(crate) runs: Vec<RunData>,
     /// One for each step of each run (and each side of approach, if the sides are kept apart).
-    pub(crate) records: Vec<Record>,
+    pub(crate) poses: Vec<AxisPose>,
     /// The different positions, ascending, backward before forward.
     pub(crate) nodes: Vec<Node>,
-    /// The records of each node, in the order of measuring.
-    pub(crate) records_of: Vec<Vec<usize>>,
+    /// The poses of each node, in the order of measuring.
+    pub(crate) poses_of: Vec<Vec<usize>>,
 }
 
 pub(crate) struct RunData {
@@ -37,11 +37,11 @@ pub(crate) struct RunData {
     pub(crate) positions: Vec<f64>,
 }
 
-pub(crate) struct Record {
+pub(crate) struct AxisPose {
     /// Index into [`AxisData::runs`].
     pub(crate) run: usize,
     /// Index of the measured pose.
-    pub(crate) pose: usize,
+    pub(crate) index: usize,
     /// Index into [`AxisData::nodes`].
     pub(crate) node: usize,
     /// Its weight in the mean of its node, by the variance of the mean position of its targets; those of a node add
@@ -75,16 +75,16 @@ pub(crate) fn by_axis(campaign: &Campaign, poses: &Poses) -> Result<Vec<AxisData
                 .push(RunData::new(campaign, poses, observation, number));
             data.runs.len() - 1
         });
-        data.records.push(Record {
+        data.poses.push(AxisPose {
             run,
-            pose,
+            index: pose,
             node: 0,
             weight: 1.0,
         });
     }
     for data in &mut all {
         number_nodes(data, campaign, poses);
-        weigh_records(data, poses);
+        weigh_poses(data, poses);
         check_other_axes(data, campaign, poses)?;
     }
     // Ordered like the machine's axes, whatever the order of measuring.
@@ -96,9 +96,9 @@ pub(crate) fn by_axis(campaign: &Campaign, poses: &Poses) -> Result<Vec<AxisData
 /// those of the axis under test, or turn them.
 fn check_other_axes(data: &AxisData, campaign: &Campaign, poses: &Poses) -> Result<(), Error> {
     let machine = &campaign.machine;
-    for record in &data.records {
-        let content = &data.runs[record.run];
-        let step = poses.observations[record.pose].step;
+    for pose in &data.poses {
+        let content = &data.runs[pose.run];
+        let step = poses.observations[pose.index].step;
         let (positions, first) = (&campaign.steps[step].positions, &content.positions);
         let chains = content.targets.iter().map(|&t| campaign.targets[t].carrier);
         for &other in chains.flat_map(|carrier| machine.chain(carrier)) {
@@ -133,8 +133,8 @@ fn check_other_axes(data: &AxisData, campaign: &Campaign, poses: &Poses) -> Resu
 }
 
 fn number_nodes(data: &mut AxisData, campaign: &Campaign, poses: &Poses) {
-    let node_of = |record: &Record| {
-        let observation = &poses.observations[record.pose];
+    let node_of = |pose: &AxisPose| {
+        let observation = &poses.observations[pose.index];
         Node {
             position: campaign.steps[observation.step].positions[data.axis],
             direction: observation.direction,
@@ -144,34 +144,30 @@ fn number_nodes(data: &mut AxisData, campaign: &Campaign, poses: &Poses) {
         let by_position = a.position.total_cmp(&b.position);
         by_position.then(a.direction.cmp(&b.direction))
     };
-    let own: Vec<Node> = data.records.iter().map(node_of).collect();
+    let own: Vec<Node> = data.poses.iter().map(node_of).collect();
     let mut nodes = own.clone();
     nodes.sort_by(order);
     nodes.dedup_by(|a, b| order(a, b).is_eq());
-    data.records_of = vec![Vec::new(); nodes.len()];
-    for (i, (record, own)) in data.records.iter_mut().zip(&own).enumerate() {
-        record.node = nodes.partition_point(|node| order(node, own).is_lt());
-        data.records_of[record.node].push(i);
+    data.poses_of = vec![Vec::new(); nodes.len()];
+    for (i, (pose, own)) in data.poses.iter_mut().zip(&own).enumerate() {
+        pose.node = nodes.partition_point(|node| order(node, own).is_lt());
+        data.poses_of[pose.node].push(i);
     }
     data.nodes = nodes;
 }
 
 /// The pivot of a pose is the mean position of its targets. Without noise of their own all poses count alike.
-fn weigh_records(data: &mut AxisData, poses: &Poses) {
-    let variance_mm2 = |record: &Record| {
-        let own = poses.noise.own.get(record.pose);
+fn weigh_poses(data: &mut AxisData, poses: &Poses) {
+    let variance_mm2 = |pose: &AxisPose| {
+        let own = poses.noise.own.get(pose.index);
         own.map_or(1.0, |own| own.fixed_view::<3, 3>(0, 0).trace())
     };
-    let precisions: Vec<f64> = data
-        .records
-        .iter()
-        .map(|r| variance_mm2(r).recip())
-        .collect();
-    for records in &data.records_of {
-        let sum: f64 = records.iter().map(|&i| precisions[i]).sum();
-        let alike = 1.0 / records.len() as f64;
-        for &i in records {
-            data.records[i].weight = match sum.is_finite() {
+    let precisions: Vec<f64> = data.poses.iter().map(|r| variance_mm2(r).recip()).collect();
+    for of_node in &data.poses_of {
+        let sum: f64 = of_node.iter().map(|&i| precisions[i]).sum();
+        let alike = 1.0 / of_node.len() as f64;
+        for &i in of_node {
+            data.poses[i].weight = match sum.is_finite() {
                 true => precisions[i] / sum,
                 false => alike,
             };

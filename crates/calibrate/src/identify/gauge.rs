@@ -1,7 +1,7 @@
 //! The least-squares gauge (paper 4.2.2 and 4.2.3): which part of the measured motion is location error, position of
 //! the targets, and component error.
 //!
-//! The pose errors `e_i = (δ, ε)` of all records of an axis determine its component errors `E`
+//! The pose errors `e_i = (δ, ε)` of an axis determine its component errors `E`
 //! only up to the motions
 //!
 //! ```text
@@ -34,15 +34,15 @@ use crate::identify::basis::Basis;
 use crate::in_order;
 
 /// The gauge of one axis.
-pub(crate) struct Gauge {
+pub(crate) struct LeastSquaresGauge {
     /// Number of parameters of the axis itself: tilts of a linear, shifts and tilts of a rotary axis, along the two
     /// directions of its [`Basis`].
     pub(crate) location_parameters: usize,
-    /// `Λ` of each record: the effect of the parameters on its pose error.
+    /// `Λ` of each pose: the effect of the parameters on its pose error.
     pub(crate) effects: Vec<Matrix6xX<f64>>,
-    /// Weighted mean `Λ` of each node's records.
+    /// Weighted mean `Λ` of each node's poses.
     pub(crate) node_effects: Vec<Matrix6xX<f64>>,
-    /// `Γ` of each record: the effect of its pose error on the parameters.
+    /// `Γ` of each pose: the effect of its pose error on the parameters.
     pub(crate) shares: Vec<MatrixXx6<f64>>,
 }
 
@@ -65,52 +65,52 @@ const RANK_TOL: f64 = 1e-6;
 /// Parameters of the targets of one run.
 pub(crate) const PER_RUN: usize = 6;
 
-impl Gauge {
+impl LeastSquaresGauge {
     pub(crate) fn new(axis: &Axis, data: &AxisData) -> Result<Self, GaugeDefect> {
         let location_parameters = match axis.kind() {
             AxisKind::Linear => 2,
             AxisKind::Rotary => 4,
         };
         let width = location_parameters + PER_RUN * data.runs.len();
-        let effects = in_order::map(data.records.len(), |i| {
-            let record = &data.records[i];
-            let position = data.nodes[record.node].position;
+        let effects = in_order::map(data.poses.len(), |i| {
+            let pose = &data.poses[i];
+            let position = data.nodes[pose.node].position;
             let mut effect = Matrix6xX::zeros(width);
             effect
                 .columns_mut(0, location_parameters)
                 .copy_from(&location_effect(axis, position));
             effect
-                .columns_mut(location_parameters + PER_RUN * record.run, PER_RUN)
+                .columns_mut(location_parameters + PER_RUN * pose.run, PER_RUN)
                 .copy_from(&target_effect(axis, position));
             effect
         });
         let conditions = conditions(axis, data);
 
-        // Weighted means over the records of each node.
+        // Weighted means over the poses of each node.
         let mut node_effects = vec![Matrix6xX::zeros(width); data.nodes.len()];
-        for (record, effect) in data.records.iter().zip(&effects) {
-            node_effects[record.node] += effect * record.weight;
+        for (pose, effect) in data.poses.iter().zip(&effects) {
+            node_effects[pose.node] += effect * pose.weight;
         }
         let count = conditions.first().map_or(0, MatrixXx6::nrows);
         let mut constraint = DMatrix::zeros(count, width);
         for (condition, effect) in conditions.iter().zip(&node_effects) {
             constraint += condition * effect;
         }
-        let deviation = |i: usize| &effects[i] - &node_effects[data.records[i].node];
+        let deviation = |i: usize| &effects[i] - &node_effects[data.poses[i].node];
         let zero = || DMatrix::zeros(width, width);
         let add = |sum: &mut DMatrix<f64>, i: usize| {
             let deviation = deviation(i);
-            sum.gemm_tr(data.records[i].weight, &deviation, &deviation, 1.0);
+            sum.gemm_tr(data.poses[i].weight, &deviation, &deviation, 1.0);
         };
-        let records = data.records.len();
-        let agreement = in_order::sum(records, zero, add);
+        let poses = data.poses.len();
+        let agreement = in_order::sum(poses, zero, add);
         let solver = bordered_inverse(&agreement, &constraint)?;
         let (of_agreement, of_constraint) =
             (solver.columns(0, width), solver.columns(width, count));
-        let shares = in_order::map(records, |i| {
-            let record = &data.records[i];
+        let shares = in_order::map(poses, |i| {
+            let pose = &data.poses[i];
             let share = of_agreement * deviation(i).transpose();
-            (share + of_constraint * &conditions[record.node]) * record.weight
+            (share + of_constraint * &conditions[pose.node]) * pose.weight
         });
         Ok(Self {
             location_parameters,

@@ -6,12 +6,12 @@ use trueaxis_kinematics::{AxisKind, LocationComponent, MotionError};
 use trueaxis_poses::turned_about;
 
 use crate::Error;
+use crate::identify::apply_frame::apply_frame;
 use crate::identify::axis_data::AxisData;
 use crate::identify::basis::Basis;
 use crate::identify::context::Context;
 use crate::identify::frame::FrameRule;
-use crate::identify::gauge::{Gauge, GaugeDefect, PER_RUN};
-use crate::identify::settle_frame::settle_frame;
+use crate::identify::gauge::{GaugeDefect, LeastSquaresGauge, PER_RUN};
 use crate::identify::start::average_lines_and_axes;
 use crate::identify::state::{AxisState, State};
 use crate::in_order;
@@ -22,7 +22,7 @@ pub(crate) struct Identified {
     /// How the results of each axis follow from its poses.
     pub(crate) sensitivities: Vec<Sensitivity>,
     /// How location errors and component errors are separated on each axis.
-    pub(crate) gauges: Vec<Gauge>,
+    pub(crate) gauges: Vec<LeastSquaresGauge>,
     pub(crate) frame: FrameRule,
     /// For each axis the location errors that the frame does not define.
     pub(crate) reported: Vec<Vec<LocationComponent>>,
@@ -35,9 +35,9 @@ pub(crate) struct Identified {
 /// e_i = A_i x_i     y = Σ Γ_i e_i     E_k = mean e - Λ_k y
 /// ```
 pub(crate) struct Sensitivity {
-    /// `A` of each record.
+    /// `A` of each pose.
     pub(crate) poses: Vec<Matrix6<f64>>,
-    /// `Γ A` of each record.
+    /// `Γ A` of each pose.
     pub(crate) parameters: Vec<MatrixXx6<f64>>,
 }
 
@@ -48,14 +48,14 @@ const MAX_PASSES: usize = 60;
 /// No pass changes a coordinate by more than this, mm, if the machine can be identified.
 const DIVERGED_MM: f64 = 1e4;
 
-/// Settled when no coordinate changes by more than this, mm; a picometre in the results is rounding.
-const SETTLED_MM: f64 = 1e-9;
+/// Converged when no coordinate changes by more than this, mm; a picometre in the results is rounding.
+const CONVERGED_MM: f64 = 1e-9;
 
 /// Finds the errors of all axes and the reference frame from the measured poses.
 pub(crate) fn identify_axes(context: &Context<'_>) -> Result<Identified, Error> {
     let frame = FrameRule::new(context);
     let gauge = |(k, data): (usize, &AxisData)| {
-        Gauge::new(context.axis(k), data).map_err(|d| defect(context, k, &d))
+        LeastSquaresGauge::new(context.axis(k), data).map_err(|d| defect(context, k, &d))
     };
     let gauges = context.data.iter().enumerate().map(gauge);
     let gauges = gauges.collect::<Result<Vec<_>, _>>()?;
@@ -68,8 +68,8 @@ pub(crate) fn identify_axes(context: &Context<'_>) -> Result<Identified, Error> 
         if change_mm.is_nan() || change_mm > DIVERGED_MM {
             break;
         }
-        if change_mm <= SETTLED_MM {
-            let sensitivity = |(k, gauge): (usize, &Gauge)| {
+        if change_mm <= CONVERGED_MM {
+            let sensitivity = |(k, gauge): (usize, &LeastSquaresGauge)| {
                 let poses = context.error_maps(&state, k);
                 let parameters = in_order::map(poses.len(), |i| &gauge.shares[i] * poses[i]);
                 Sensitivity { poses, parameters }
@@ -86,7 +86,7 @@ pub(crate) fn identify_axes(context: &Context<'_>) -> Result<Identified, Error> 
             });
         }
     }
-    Err(Error::NotSettled {
+    Err(Error::NotConverged {
         passes: MAX_PASSES,
         change_mm: worst.0,
         axis: context.axis(worst.1).name().to_owned(),
@@ -104,7 +104,7 @@ struct Changes {
 /// updated.
 fn improve_all(
     context: &Context<'_>,
-    gauges: &[Gauge],
+    gauges: &[LeastSquaresGauge],
     frame: &FrameRule,
     state: &mut State,
 ) -> Changes {
@@ -121,20 +121,20 @@ fn improve_all(
     }
     Changes {
         axes: worst,
-        frame: settle_frame(context, frame, state),
+        frame: apply_frame(context, frame, state),
     }
 }
 
-/// A replay is settled when no coordinate changes by more than this, mm: a millionth of what can be measured.
-const REPLAY_SETTLED_MM: f64 = 1e-10;
+/// A replay has converged when no coordinate changes by more than this, mm: a millionth of what can be measured.
+const REPLAY_CONVERGED_MM: f64 = 1e-10;
 
 impl Identified {
-    /// The values for poses near the identified ones. `None` if they do not settle.
+    /// The values for poses near the identified ones. `None` if they do not converge.
     pub(crate) fn replayed(&self, context: &Context<'_>) -> Option<State> {
         let mut state = self.state.clone();
         for _ in 0..MAX_PASSES {
             let changes_mm = improve_all(context, &self.gauges, &self.frame, &mut state);
-            if changes_mm.axes.0.max(changes_mm.frame) <= REPLAY_SETTLED_MM {
+            if changes_mm.axes.0.max(changes_mm.frame) <= REPLAY_CONVERGED_MM {
                 return Some(state);
             }
         }
@@ -143,16 +143,16 @@ impl Identified {
 }
 
 /// Updates the values of axis `k`; returns the largest change of a coordinate, mm (infinite if it is not a number).
-fn improve(context: &Context<'_>, gauge: &Gauge, state: &mut State, k: usize) -> f64 {
+fn improve(context: &Context<'_>, gauge: &LeastSquaresGauge, state: &mut State, k: usize) -> f64 {
     let (own, axis) = (&context.data[k], context.axis(k));
     let reference = axis.reference_at_home_mm(&state.axes[k].location);
     let pose_errors = context.pose_errors(state, k);
     let x = gauge.apply(&pose_errors);
 
-    // Component errors: the weighted mean over the records of a node, without what the gauge takes out.
+    // Component errors: the weighted mean over the poses of a node, without what the gauge takes out.
     let mut curve = vec![Vector6::zeros(); own.nodes.len()];
-    for ((record, error), effect) in own.records.iter().zip(&pose_errors).zip(&gauge.effects) {
-        curve[record.node] += (error - effect * &x) * record.weight;
+    for ((pose, error), effect) in own.poses.iter().zip(&pose_errors).zip(&gauge.effects) {
+        curve[pose.node] += (error - effect * &x) * pose.weight;
     }
     let lever_mm = lever_mm(context, own, &state.axes[k], &reference);
     let mut change_mm = 0.0_f64;

@@ -19,10 +19,10 @@ pub(crate) fn check_motion(context: &Context<'_>, identified: &Identified) -> Re
             let mm = e.translation_mm.amax() / IMPLAUSIBLE_MM;
             mm.max(e.rotation_rad.amax() / IMPLAUSIBLE_RAD)
         };
-        let nodes = values.curve.iter().zip(&data.records_of);
+        let nodes = values.curve.iter().zip(&data.poses_of);
         let worst = nodes.max_by(|(a, _), (b, _)| size(a).total_cmp(&size(b)));
-        if let Some((error, records)) = worst.filter(|(error, _)| size(error) > 1.0) {
-            let step = context.poses.observations[data.records[records[0]].pose].step;
+        if let Some((error, poses)) = worst.filter(|(error, _)| size(error) > 1.0) {
+            let step = context.poses.observations[data.poses[poses[0]].index].step;
             return Err(Error::NotThatMotion {
                 axis: context.axis(k).name().to_owned(),
                 step: step_in_words(context.campaign, step),

@@ -1,4 +1,4 @@
-//! The component errors of every record of an axis, relative to the current model.
+//! The component errors of every pose of an axis, relative to the current model.
 //!
 //! With all axes outside the one under test (`B`) and inside it (`C`) taken from the model, and the body at home as
 //! in its run (`H`), the measured pose `P` is
@@ -28,7 +28,7 @@ struct Surroundings {
     stage_from_body: Isometry3<f64>,
 }
 
-/// A record seen from the base of its axis.
+/// A pose seen from the base of its axis.
 struct Seen {
     base_from_datum: Isometry3<f64>,
     /// `B⁻¹ P (C H)⁻¹ T⁻¹`: what the model of the axis leaves.
@@ -40,11 +40,11 @@ struct Seen {
 }
 
 impl Context<'_> {
-    /// Component errors of every record of the axis `data[k]`, before the gauge: δ (mm) and ε (rad).
+    /// Component errors of every pose of the axis `data[k]`, before the gauge: δ (mm) and ε (rad).
     pub(crate) fn pose_errors(&self, state: &State, k: usize) -> Vec<Vector6<f64>> {
         let surroundings = self.surroundings(state, k);
-        in_order::map(self.data[k].records.len(), |record| {
-            let seen = self.seen(state, k, &surroundings, record);
+        in_order::map(self.data[k].poses.len(), |pose| {
+            let seen = self.seen(state, k, &surroundings, pose);
             let correction = MotionError::new(
                 seen.left * seen.reference_mm - seen.reference_mm,
                 seen.left.rotation.scaled_axis(),
@@ -56,9 +56,9 @@ impl Context<'_> {
     /// How the pose errors follow from the errors of the measured poses ([`trueaxis_poses`]).
     pub(crate) fn error_maps(&self, state: &State, k: usize) -> Vec<Matrix6<f64>> {
         let surroundings = self.surroundings(state, k);
-        in_order::map(self.data[k].records.len(), |record| {
-            let seen = self.seen(state, k, &surroundings, record);
-            let observation = &self.poses.observations[self.data[k].records[record].pose];
+        in_order::map(self.data[k].poses.len(), |pose| {
+            let seen = self.seen(state, k, &surroundings, pose);
+            let observation = &self.poses.observations[self.data[k].poses[pose].index];
             let turn = seen.base_from_datum.rotation.to_rotation_matrix();
             let arm_mm = seen.reference_mm - seen.base_from_datum * observation.pivot_mm;
             twist_map(turn.matrix(), &(-arm_mm.cross_matrix() * turn.matrix()))
@@ -80,18 +80,18 @@ impl Context<'_> {
         runs.map(of_run).collect()
     }
 
-    fn seen(&self, state: &State, k: usize, surroundings: &[Surroundings], record: usize) -> Seen {
+    fn seen(&self, state: &State, k: usize, surroundings: &[Surroundings], pose: usize) -> Seen {
         let (own, values) = (&self.data[k], &state.axes[k]);
-        let record = &own.records[record];
+        let pose = &own.poses[pose];
         let axis = self.axis(k);
-        let current = values.curve[record.node];
-        let position = own.nodes[record.node].position;
+        let current = values.curve[pose.node];
+        let position = own.nodes[pose.node].position;
         let motion = axis.motion(position, &values.location, &current);
-        let around = &surroundings[record.run];
+        let around = &surroundings[pose.run];
         Seen {
             base_from_datum: around.base_from_datum,
             left: around.base_from_datum
-                * self.measured[record.pose]
+                * self.measured[pose.index]
                 * (motion * around.stage_from_body).inverse(),
             reference_mm: motion * axis.reference_at_home_mm(&values.location),
             current,

@@ -66,20 +66,20 @@ fn line_location(axis: &Axis, traces: &[Vec<Point3<f64>>]) -> Option<LocationErr
 
 /// The points of each target in order of position, seen from the base of the axis.
 fn traces(context: &Context<'_>, data: &AxisData, run: &RunData) -> Vec<Vec<Point3<f64>>> {
-    let mut records: Vec<_> = data
-        .records
+    let mut poses: Vec<_> = data
+        .poses
         .iter()
-        .filter(|record| data.runs[record.run].run == run.run)
+        .filter(|pose| data.runs[pose.run].run == run.run)
         .collect();
-    records.sort_by_key(|record| record.node);
+    poses.sort_by_key(|pose| pose.node);
     let mut traces = vec![Vec::new(); run.targets.len()];
     let base = context
         .machine
         .chain_motion(&Ideal, &run.outer, &run.positions);
-    for record in records {
+    for pose in poses {
         let shape_mm = &context.poses.bodies[run.body].home_mm;
         for (home, trace) in shape_mm.iter().zip(&mut traces) {
-            trace.push(base.inverse() * (context.measured[record.pose] * home));
+            trace.push(base.inverse() * (context.measured[pose.index] * home));
         }
     }
     traces

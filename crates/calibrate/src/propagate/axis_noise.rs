@@ -1,7 +1,7 @@
 //! The joint covariance of the quantities from which an axis' results follow.
 //!
 //! These quantities are the axis' parameters `y` and, for each node, the mean pose error `m_k = mean A_i x_i` of its
-//! records ([`crate::identify::identify_axes::Sensitivity`]). The component errors are `E_k = m_k - Λ_k y`; what
+//! poses ([`crate::identify::identify_axes::Sensitivity`]). The component errors are `E_k = m_k - Λ_k y`; what
 //! other axes need of this one is linear in `y` and `m`, too. With the noise of [`trueaxis_poses`] every linear
 //! function `f` of these quantities is
 //!
@@ -19,7 +19,7 @@ use trueaxis_poses::PoseNoise;
 
 use crate::identify::axis_data::AxisData;
 use crate::identify::context::Context;
-use crate::identify::gauge::Gauge;
+use crate::identify::gauge::LeastSquaresGauge;
 use crate::identify::identify_axes::{Identified, Sensitivity};
 use crate::in_order;
 
@@ -42,7 +42,7 @@ pub(crate) struct PosePart {
 
 impl AxisForm {
     /// The component errors of some nodes: six functions each.
-    pub(crate) fn component_errors(gauge: &Gauge, nodes: Range<usize>) -> Self {
+    pub(crate) fn component_errors(gauge: &LeastSquaresGauge, nodes: Range<usize>) -> Self {
         let mut parameters = DMatrix::zeros(6 * nodes.len(), gauge.parameters());
         let mut poses = Vec::new();
         for (i, node) in nodes.enumerate() {
@@ -62,7 +62,7 @@ impl AxisForm {
 pub(crate) struct AxisNoise<'a> {
     noise: &'a PoseNoise,
     axis: &'a AxisData,
-    gauge: &'a Gauge,
+    gauge: &'a LeastSquaresGauge,
     sensitivity: &'a Sensitivity,
     /// Own part of `cov(y)`.
     parameters: DMatrix<f64>,
@@ -90,8 +90,8 @@ impl<'a> AxisNoise<'a> {
         let (gauge, sensitivity) = (&identified.gauges[k], &identified.sensitivities[k]);
         let (width, sources) = (gauge.parameters(), noise.width());
         let zero = || DMatrix::zeros(width, width + sources);
-        let both = in_order::sum(axis.records.len(), zero, |sum, i| {
-            let (y, pose) = (&sensitivity.parameters[i], axis.records[i].pose);
+        let both = in_order::sum(axis.poses.len(), zero, |sum, i| {
+            let (y, pose) = (&sensitivity.parameters[i], axis.poses[i].index);
             let mut own = sum.columns_mut(0, width);
             own.gemm(1.0, &(y * noise.own[pose]), &y.transpose(), 1.0);
             let mut shared = sum.columns_mut(width, sources);
@@ -113,10 +113,10 @@ impl<'a> AxisNoise<'a> {
             cross: Matrix6xX::zeros(self.gauge.parameters()),
             shared: Matrix6xX::zeros(self.noise.width()),
         };
-        let records = &self.axis.records_of[node];
-        for &i in records {
-            let pose = self.axis.records[i].pose;
-            let from_pose = self.sensitivity.poses[i] * self.axis.records[i].weight;
+        let poses = &self.axis.poses_of[node];
+        for &i in poses {
+            let pose = self.axis.poses[i].index;
+            let from_pose = self.sensitivity.poses[i] * self.axis.poses[i].weight;
             let with_noise = from_pose * self.noise.own[pose];
             sum.own += with_noise * from_pose.transpose();
             let parameters = self.sensitivity.parameters[i].row_iter();

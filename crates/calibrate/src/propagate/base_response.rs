@@ -34,27 +34,27 @@ impl<'a> BaseResponse<'a> {
             parameters: DMatrix::zeros(0, 0),
         };
         let zero = || DMatrix::zeros(gauge.parameters(), 6 * axis.runs.len());
-        new.parameters = in_order::sum(axis.records.len(), zero, |sum, i| {
+        new.parameters = in_order::sum(axis.poses.len(), zero, |sum, i| {
             let of_pose = &identified.sensitivities[k].parameters[i];
-            let mut of_run = sum.columns_mut(6 * axis.records[i].run, 6);
+            let mut of_run = sum.columns_mut(6 * axis.poses[i].run, 6);
             of_run += of_pose * new.moved(i);
         });
         new
     }
 
-    /// Effect of a twist of its run on the pose of a record. The pivot moves by v + ρ × p.
-    fn moved(&self, record: usize) -> Matrix6<f64> {
+    /// Effect of a twist of its run on a pose. The pivot moves by v + ρ × p.
+    fn moved(&self, i: usize) -> Matrix6<f64> {
         let ref_from_datum = self.identified.state.ref_from_datum;
         let datum_from_ref = ref_from_datum.rotation.inverse().to_rotation_matrix();
-        let pose = self.context.data[self.k].records[record].pose;
+        let pose = self.context.data[self.k].poses[i].index;
         let pivot = ref_from_datum * self.context.poses.observations[pose].pivot_mm;
         let lever = -datum_from_ref.matrix() * pivot.coords.cross_matrix();
         twist_map(datum_from_ref.matrix(), &lever)
     }
 
-    /// Response of the pose error of a record.
-    pub(crate) fn of_record(&self, record: usize) -> Matrix6<f64> {
-        self.identified.sensitivities[self.k].poses[record] * self.moved(record)
+    /// Response of a pose error.
+    pub(crate) fn of_pose(&self, i: usize) -> Matrix6<f64> {
+        self.identified.sensitivities[self.k].poses[i] * self.moved(i)
     }
 
     /// Response of functions to a twist of all poses of a run: one row for each function.
@@ -62,10 +62,10 @@ impl<'a> BaseResponse<'a> {
         let axis = &self.context.data[self.k];
         let mut response = &form.parameters * self.parameters.fixed_columns::<6>(6 * run);
         for part in &form.poses {
-            let records = &axis.records_of[part.node];
-            for &i in records.iter().filter(|&&i| axis.records[i].run == run) {
+            let poses = &axis.poses_of[part.node];
+            for &i in poses.iter().filter(|&&i| axis.poses[i].run == run) {
                 let mut rows = response.fixed_rows_mut::<6>(part.row);
-                rows += self.of_record(i) * (part.weight * axis.records[i].weight);
+                rows += self.of_pose(i) * (part.weight * axis.poses[i].weight);
             }
         }
         response

@@ -46,7 +46,7 @@ impl<'a> Dependence<'a> {
         let stations_in_ref: Vec<Point3<f64>> = stations.collect();
         let sources = Sources::new(context, identified, stations_in_ref.len());
         let mut map = FrameMap::new(context, identified, &sources);
-        let frame = map.settle();
+        let frame = map.solve();
         let axes = 0..context.data.len();
         let locations = axes.clone().map(|k| map.location(k, &frame)).collect();
         let stations = stations_in_ref.iter().enumerate();
@@ -101,12 +101,12 @@ impl<'a> Dependence<'a> {
         self.bases[k].1.len() > 1
     }
 
-    /// Response of a record of axis `k` to the sources through its base, with the sign of the base's motion, which the
-    /// record's pose error has opposite: six rows.
-    pub(crate) fn response_to_base(&self, k: usize, record: usize) -> DMatrix<f64> {
+    /// Response of a pose of axis `k` to the sources through its base, with the sign of the base's motion, which the
+    /// pose error has opposite: six rows.
+    pub(crate) fn response_to_base(&self, k: usize, pose: usize) -> DMatrix<f64> {
         let (response, motions) = &self.bases[k];
-        let run = self.context.data[k].records[record].run;
-        let rows = response.of_record(record) * &motions[run];
+        let run = self.context.data[k].poses[pose].run;
+        let rows = response.of_pose(pose) * &motions[run];
         DMatrix::from_column_slice(6, rows.ncols(), rows.as_slice())
     }
 

@@ -37,7 +37,7 @@ pub(crate) fn factored_covariance(
     let (mut own, mut rows) = (Vec::new(), Vec::new());
     for k in 0..axes.len() {
         let first_of_axis = 6 * own.len();
-        let pieces = noise.of_nodes(k, |node, f| {
+        let chunks = noise.of_nodes(k, |node, f| {
             let first = first_of_axis + 6 * node;
             let scales = &scales[first..first + 6 * f.own.len()];
             let with_sources = f.sources.iter().map(|source| sources + source);
@@ -54,9 +54,9 @@ pub(crate) fn factored_covariance(
                 Rows::of_columns(first, scales, columns.zip(side_by_side(blocks))),
             )
         });
-        for (of_piece, piece) in pieces {
-            own.extend(of_piece);
-            rows.push(piece);
+        for (of_chunk, chunk) in chunks {
+            own.extend(of_chunk);
+            rows.push(chunk);
         }
     }
     let locations = dependence.locations.iter().zip(axes);

@@ -23,7 +23,7 @@ pub(crate) struct FrameMap<'a, 's> {
     /// Response of each axis to motions of its base.
     pub(crate) responses: Vec<BaseResponse<'a>>,
     /// The sources, corrected for the errors of the axes outside.
-    net: DMatrix<f64>,
+    corrected: DMatrix<f64>,
     /// For each axis the error of its position along itself; zero for linear axes.
     axial: DMatrix<f64>,
 }
@@ -46,7 +46,7 @@ impl<'a, 's> FrameMap<'a, 's> {
             responses: axes
                 .map(|k| BaseResponse::new(context, identified, k))
                 .collect(),
-            net: DMatrix::identity(sources.count, sources.count),
+            corrected: DMatrix::identity(sources.count, sources.count),
             axial: DMatrix::zeros(context.data.len(), sources.count),
         }
     }
@@ -57,18 +57,18 @@ impl<'a, 's> FrameMap<'a, 's> {
 
     /// Three consecutive sources.
     fn pick(&self, first: usize) -> Matrix3xX<f64> {
-        self.net.fixed_rows::<3>(first).into_owned()
+        self.corrected.fixed_rows::<3>(first).into_owned()
     }
 
     /// A vector across an axis whose two coordinates are consecutive sources.
     fn across(&self, k: usize, first: usize) -> Matrix3xX<f64> {
         let [a, b] = Basis::of(self.context.axis(k)).across;
-        a * self.net.row(first) + b * self.net.row(first + 1)
+        a * self.corrected.row(first) + b * self.corrected.row(first + 1)
     }
 
     /// Corrects the sources of all axes for the errors outside them, and finds the positions of rotary axes along
     /// themselves; returns the error motion of the frame.
-    pub(crate) fn settle(&mut self) -> Twist {
+    pub(crate) fn solve(&mut self) -> Twist {
         let mut frame = Twist::zero(self.sources.count);
         for _ in 0..AXIAL_SWEEPS {
             self.free_from_bases();
@@ -90,7 +90,7 @@ impl<'a, 's> FrameMap<'a, 's> {
                 rows -= self.responses[k].of(&own.form, run) * self.base_motion(k, run).rows();
             }
             for (i, &place) in own.places.iter().enumerate() {
-                self.net.row_mut(place).copy_from(&rows.row(i));
+                self.corrected.row_mut(place).copy_from(&rows.row(i));
             }
         }
     }
@@ -100,7 +100,8 @@ impl<'a, 's> FrameMap<'a, 's> {
         let axis = self.context.axis(k);
         let mut rows = DMatrix::zeros(AXIS_ERRORS, self.sources.count);
         if let Some(first) = self.sources.held_at(k, position) {
-            rows.rows_mut(0, 6).copy_from(&self.net.rows(first, 6));
+            rows.rows_mut(0, 6)
+                .copy_from(&self.corrected.rows(first, 6));
         }
         let first = self.sources.location[k];
         match axis.kind() {
@@ -154,7 +155,7 @@ impl<'a, 's> FrameMap<'a, 's> {
         self.base(k, 0).rotation.to_rotation_matrix().into_inner()
     }
 
-    /// Errors of the targets' home positions relative to their nests, in the reference frame before it is settled,
+    /// Errors of the targets' home positions relative to their nests, in the reference frame before it is applied,
     /// and the positions of the targets. Deformations of the shape are left out: the frame follows from none of them.
     fn targets(&self, k: usize, r: usize) -> Vec<(Matrix3xX<f64>, Point3<f64>)> {
         let (run, errors) = (&self.context.data[k].runs[r], self.errors());

@@ -44,8 +44,8 @@ impl Noise<'_> {
         f: impl Fn(usize, NodeFunctions) -> T + Sync + Send,
     ) -> Vec<T> {
         let count = self.dependence.context.data[k].nodes.len();
-        in_order::map(count.div_ceil(NODES), |piece| {
-            let first = NODES * piece;
+        in_order::map(count.div_ceil(NODES), |chunk| {
+            let first = NODES * chunk;
             f(
                 first,
                 self.node_functions(k, first..count.min(first + NODES)),
@@ -105,8 +105,8 @@ impl Noise<'_> {
 
     /// Variances of the component errors of axis `k`, for each node.
     pub(crate) fn components(&self, k: usize) -> Vec<[Variance; 6]> {
-        let pieces = self.of_nodes(k, |_, functions| self.variances(&functions));
-        pieces.into_iter().flatten().collect()
+        let chunks = self.of_nodes(k, |_, functions| self.variances(&functions));
+        chunks.into_iter().flatten().collect()
     }
 
     fn variances(&self, functions: &NodeFunctions) -> Vec<[Variance; 6]> {

@@ -171,21 +171,21 @@ impl<'a> Noise<'a> {
         }
     }
 
-    /// `A D Aᵀ`: covariance of the pose error of a record of axis `k` with all sources known.
-    pub(crate) fn own_of_record(&self, k: usize, record: usize) -> Matrix6<f64> {
+    /// `A D Aᵀ`: covariance of the pose error of axis `k` with all sources known.
+    pub(crate) fn own_of_pose(&self, k: usize, i: usize) -> Matrix6<f64> {
         let (context, identified) = self.dependence.parts();
-        let map = identified.sensitivities[k].poses[record];
-        let pose = context.data[k].records[record].pose;
+        let map = identified.sensitivities[k].poses[i];
+        let pose = context.data[k].poses[i].index;
         map * self.poses.own[pose] * map.transpose()
     }
 
     /// `C`: coefficients of the same pose error for the sources of the bases, and for those that all poses share.
-    pub(crate) fn sources_of_record(&self, k: usize, record: usize) -> [DMatrix<f64>; 2] {
+    pub(crate) fn sources_of_pose(&self, k: usize, i: usize) -> [DMatrix<f64>; 2] {
         let (context, identified) = self.dependence.parts();
-        let pose = context.data[k].records[record].pose;
-        let coupling = identified.sensitivities[k].poses[record] * self.poses.coupling(pose);
+        let pose = context.data[k].poses[i].index;
+        let coupling = identified.sensitivities[k].poses[i] * self.poses.coupling(pose);
         let coupling = DMatrix::from_column_slice(6, coupling.ncols(), coupling.as_slice());
-        let response = self.dependence.response_to_base(k, record);
+        let response = self.dependence.response_to_base(k, i);
         let through = -(coupling + &response * &self.sources.shared);
         [-response, through]
     }

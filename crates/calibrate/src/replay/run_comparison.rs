@@ -1,6 +1,6 @@
 //! Comparison of the runs of an axis, as data for the search for the cause of a contradiction.
 //!
-//! Where runs with other axes parked elsewhere share positions, the pose errors of their records are, with the noise
+//! Where runs with other axes parked elsewhere share positions, their pose errors are, with the noise
 //! of the poses and of the bases (notation as in the misfit of runs of the report),
 //!
 //! ```text
@@ -26,16 +26,16 @@ pub struct RunComparison {
     pub axis: usize,
     /// Names of the runs.
     pub runs: Vec<String>,
-    /// Whitened pose errors, six for each record.
+    /// Whitened pose errors, six for each pose.
     pub observations: Vec<f64>,
     /// Whitened columns of what the runs share, and of what each run has alone.
     pub base: Vec<Vec<f64>>,
-    /// Standard deviation of the position of one record, mean over the records and directions, mm.
+    /// Standard deviation of the position of one pose, mean over the poses and directions, mm.
     pub sigma_mm: f64,
     /// The compared poses, in the order of the observations.
     pub poses: Vec<ComparedPose>,
-    /// Indices of the records among those of the axis.
-    records: Vec<usize>,
+    /// Indices of the poses among those of the axis.
+    axis_poses: Vec<usize>,
     /// Index among the axes of the calibration.
     data: usize,
     factor: Cholesky<f64, Dyn>,
@@ -43,7 +43,7 @@ pub struct RunComparison {
     units: DVector<f64>,
 }
 
-/// One record of a run.
+/// One pose of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedPose {
     /// Index into [`RunComparison::runs`].
@@ -54,7 +54,7 @@ pub struct ComparedPose {
     pub direction: Option<Direction>,
 }
 
-/// Most records that are compared: further positions than these, evenly spaced, show no more, and the work grows with
+/// Most poses that are compared: further positions than these, evenly spaced, show no more, and the work grows with
 /// the cube.
 const MOST_RECORDS: usize = 240;
 
@@ -80,7 +80,7 @@ impl Replay<'_> {
 
 impl Responses<'_> {
     /// Changes of the whitened observations of comparisons by errors of the used lengths (mm, as in
-    /// [`Responses::to`]); `None` if the identification does not settle.
+    /// [`Responses::to`]); `None` if the identification does not converge.
     pub fn of_runs_to(
         &mut self,
         comparisons: &[RunComparison],
@@ -108,7 +108,7 @@ impl Responses<'_> {
         let state: State = replay.identified.replayed(&context)?;
         let of = |comparison: &RunComparison| {
             let errors = context.pose_errors(&state, comparison.data);
-            stacked(&comparison.records, |i| errors[i])
+            stacked(&comparison.axis_poses, |i| errors[i])
         };
         Some(comparisons.iter().map(of).collect())
     }
@@ -133,9 +133,9 @@ impl RunComparison {
     }
 }
 
-/// Six numbers of each record, in one column.
-fn stacked(records: &[usize], of_record: impl Fn(usize) -> Vector6<f64>) -> DVector<f64> {
-    let parts = records.iter().map(|&i| of_record(i)).collect::<Vec<_>>();
+/// Six numbers of each pose, in one column.
+fn stacked(axis_poses: &[usize], of_pose: impl Fn(usize) -> Vector6<f64>) -> DVector<f64> {
+    let parts = axis_poses.iter().map(|&i| of_pose(i)).collect::<Vec<_>>();
     DVector::from_iterator(6 * parts.len(), parts.iter().flatten().copied())
 }
 
@@ -148,31 +148,31 @@ fn comparison(
 ) -> Option<RunComparison> {
     let (context, identified) = (dependence.context, dependence.identified);
     let data = &context.data[k];
-    let shared = data.records_of.iter().enumerate();
-    let shared = shared.filter(|(_, records)| records.len() > 1);
+    let shared = data.poses_of.iter().enumerate();
+    let shared = shared.filter(|(_, axis_poses)| axis_poses.len() > 1);
     let nodes: Vec<usize> = shared.map(|(number, _)| number).collect();
-    let all: usize = nodes.iter().map(|&n| data.records_of[n].len()).sum();
+    let all: usize = nodes.iter().map(|&n| data.poses_of[n].len()).sum();
     let nodes: Vec<usize> = nodes
         .into_iter()
         .step_by(all.div_ceil(MOST_RECORDS).max(1))
         .collect();
-    let records = nodes.iter().flat_map(|&n| data.records_of[n].clone());
-    let records: Vec<usize> = records.collect();
-    if data.runs.len() < 2 || records.is_empty() || noise.own.is_empty() {
+    let axis_poses = nodes.iter().flat_map(|&n| data.poses_of[n].clone());
+    let axis_poses: Vec<usize> = axis_poses.collect();
+    if data.runs.len() < 2 || axis_poses.is_empty() || noise.own.is_empty() {
         return None;
     }
-    let rows = 6 * records.len();
+    let rows = 6 * axis_poses.len();
 
     // V = diag(A D Aᵀ) + C S Cᵀ, first for the sources of the bases, then for what all poses share.
     let sources = &whole.sources;
     let mut of_bases = DMatrix::zeros(rows, sources.own.nrows());
     let mut of_shared = DMatrix::zeros(rows, noise.width());
     let mut covariance = DMatrix::zeros(rows, rows);
-    for (place, &i) in records.iter().enumerate() {
+    for (place, &i) in axis_poses.iter().enumerate() {
         covariance
             .fixed_view_mut::<6, 6>(6 * place, 6 * place)
-            .copy_from(&whole.own_of_record(k, i));
-        let [through_bases, through_shared] = whole.sources_of_record(k, i);
+            .copy_from(&whole.own_of_pose(k, i));
+        let [through_bases, through_shared] = whole.sources_of_pose(k, i);
         of_bases.rows_mut(6 * place, 6).copy_from(&through_bases);
         of_shared.rows_mut(6 * place, 6).copy_from(&through_shared);
     }
@@ -186,11 +186,11 @@ fn comparison(
     let sigma_mm = of_position.sum::<f64>() / (rows / 2) as f64;
 
     let errors = context.pose_errors(&identified.state, k);
-    let of_record = |i: usize| {
-        let record = &data.records[i];
-        let node = data.nodes[record.node];
+    let of_pose = |i: usize| {
+        let pose = &data.poses[i];
+        let node = data.nodes[pose.node];
         ComparedPose {
-            run: record.run,
+            run: pose.run,
             position: node.position,
             direction: node.direction,
         }
@@ -201,19 +201,19 @@ fn comparison(
         observations: Vec::new(),
         base: Vec::new(),
         sigma_mm,
-        poses: records.iter().map(|&i| of_record(i)).collect(),
+        poses: axis_poses.iter().map(|&i| of_pose(i)).collect(),
         data: k,
         factor: Cholesky::new(scaled)?,
         units,
-        records,
+        axis_poses,
     };
-    let column = |of_record: &dyn Fn(usize) -> Vector6<f64>| {
-        comparison.whitened(&stacked(&comparison.records, of_record))
+    let column = |of_pose: &dyn Fn(usize) -> Vector6<f64>| {
+        comparison.whitened(&stacked(&comparison.axis_poses, of_pose))
     };
     let effects = &identified.gauges[k].effects;
     let mut base = Vec::new();
     for node in nodes {
-        let here = |i: usize| f64::from(u8::from(data.records[i].node == node));
+        let here = |i: usize| f64::from(u8::from(data.poses[i].node == node));
         base.extend((0..6).map(|component| column(&|i| Vector6::ith(component, here(i)))));
     }
     for parameter in identified.gauges[k].location_parameters..effects[0].ncols() {

@@ -94,7 +94,7 @@ fn axis_result(
         let is_same = |q| other == own.axis || stands_alike(geometry.kind(), first, q);
         stood.all(is_same).then_some(first)
     });
-    let poses: Vec<usize> = own.records.iter().map(|record| record.pose).collect();
+    let poses: Vec<usize> = own.poses.iter().map(|pose| pose.index).collect();
     AxisResult {
         name: axis.name().to_owned(),
         axis: own.axis,

@@ -2,7 +2,7 @@
 //!
 //! Where runs share positions, the component errors `E_n` there are the mean of the runs, each with its own placement
 //! `g` of its targets. With the noise of the poses and of the bases `b` (the axes outside, which may have other
-//! positions in each run) the pose errors of the records are
+//! positions in each run) the pose errors are
 //!
 //! ```text
 //! e_i = E_n + Λ_i g_r + A_i ξ_i + C_i t     cov(ξ_i) = D_i     cov(t) = S     t: shared sources, and those of bases
@@ -15,7 +15,7 @@
 //! χ² = |e'|² - fᵀ S (I + G S)⁻¹ f     f = C'ᵀ e'     G = C'ᵀ C'
 //! ```
 //!
-//! with the rows of the records less the unknowns as degrees of freedom `ν`. Runs contradict each other if they
+//! with the rows of the poses less the unknowns as degrees of freedom `ν`. Runs contradict each other if they
 //! differ by more than their noise, and `√(χ²/ν)` (R. T. Birge, *Physical Review* 40, 207, 1932) is the factor.
 
 use nalgebra::{DMatrix, DVector, Matrix6, Vector6};
@@ -62,10 +62,10 @@ pub(crate) fn scatter_of_runs(propagation: &Propagation<'_, '_>, k: usize) -> Ve
     let count = runs as f64;
     let factor = ((count - 1.0) / (count + 1.0) / count).sqrt();
     let of_run = |run: usize| {
-        let of_run = (0..data.records.len()).filter(|&i| data.records[i].run == run);
+        let of_run = (0..data.poses.len()).filter(|&i| data.poses[i].run == run);
         let place = own + PER_RUN * run;
         let rows = of_run.map(|i| {
-            let mean = identified.state.axes[k].curve[data.records[i].node].to_vector();
+            let mean = identified.state.axes[k].curve[data.poses[i].node].to_vector();
             let effect = &gauge.effects[i];
             let mut row = DMatrix::zeros(6, own + PER_RUN + 1);
             row.columns_mut(0, own).copy_from(&effect.columns(0, own));
@@ -103,7 +103,7 @@ fn run_misfit(propagation: &Propagation<'_, '_>, k: usize) -> Option<RunMisfit> 
     let own = products.view((0, 0), (of_runs, of_runs)).into_owned();
     let own = Svd::new(&own).ok()?;
     let limit = FREE * own.largest();
-    let redundant = 6 * (data.records.len() - data.nodes.len());
+    let redundant = 6 * (data.poses.len() - data.nodes.len());
     let degrees_of_freedom = redundant.checked_sub(own.rank(limit));
     let degrees_of_freedom = degrees_of_freedom.filter(|dof| *dof > 0)?;
     let coupling = products
@@ -118,13 +118,13 @@ fn run_misfit(propagation: &Propagation<'_, '_>, k: usize) -> Option<RunMisfit> 
     let through = covariance * inner.lu().solve(&f)?;
     let chi_squared = left[(of_sources, of_sources)] - f.dot(&through);
 
-    // The largest difference between records of a position, in units of the noise of a record.
+    // The largest difference between poses of a position, in units of the noise of a pose.
     let mut largest = (0.0, 0, Component::ALL[0], 0.0);
-    for (node, records) in data.records_of.iter().enumerate() {
-        let own = propagation.whole.own_of_record(k, records[0]);
+    for (node, poses) in data.poses_of.iter().enumerate() {
+        let own = propagation.whole.own_of_pose(k, poses[0]);
         for component in Component::ALL {
             let c = component.index();
-            let values = records.iter().map(|&i| errors[i][c]);
+            let values = poses.iter().map(|&i| errors[i][c]);
             let [low, high] = [values.clone().reduce(f64::min), values.reduce(f64::max)];
             let difference = high.unwrap_or_default() - low.unwrap_or_default();
             let significance = difference / own[(c, c)].sqrt();
@@ -134,11 +134,11 @@ fn run_misfit(propagation: &Propagation<'_, '_>, k: usize) -> Option<RunMisfit> 
         }
     }
     let (_, node, component, difference) = largest;
-    let off = data.records.iter().zip(&errors).map(|(record, error)| {
-        let mean_mm = identified.state.axes[k].curve[record.node].translation_mm;
+    let off = data.poses.iter().zip(&errors).map(|(pose, error)| {
+        let mean_mm = identified.state.axes[k].curve[pose.node].translation_mm;
         (error.fixed_rows::<3>(0) - mean_mm).norm_squared()
     });
-    let rms_mm = (off.sum::<f64>() / data.records.len() as f64).sqrt();
+    let rms_mm = (off.sum::<f64>() / data.poses.len() as f64).sqrt();
     Some(RunMisfit {
         runs: context.run_names(k),
         rms_mm,
@@ -172,9 +172,9 @@ fn products(
 
     let gauge = &identified.gauges[k];
     let width = gauge.parameters() + sources + 1;
-    let of_record = |i: usize| -> Option<(Matrix6<f64>, DMatrix<f64>)> {
-        let record = &data.records[i];
-        let whitening = whole.own_of_record(k, i).cholesky()?.l().try_inverse()?;
+    let of_pose = |i: usize| -> Option<(Matrix6<f64>, DMatrix<f64>)> {
+        let pose = &data.poses[i];
+        let whitening = whole.own_of_pose(k, i).cholesky()?.l().try_inverse()?;
         let mut row = DMatrix::zeros(6, width);
         let mut put = |first: usize, block: &DMatrix<f64>| {
             row.columns_mut(first, block.ncols())
@@ -182,26 +182,26 @@ fn products(
         };
         let dynamic = |block: &[f64]| DMatrix::from_column_slice(6, block.len() / 6, block);
         put(0, &dynamic(gauge.effects[i].as_slice()));
-        let [through_bases, through_shared] = whole.sources_of_record(k, i);
+        let [through_bases, through_shared] = whole.sources_of_pose(k, i);
         put(gauge.parameters(), &through_bases);
         put(gauge.parameters() + of_bases, &through_shared);
-        let mean = identified.state.axes[k].curve[record.node].to_vector();
+        let mean = identified.state.axes[k].curve[pose.node].to_vector();
         put(width - 1, &dynamic((errors[i] - mean).as_slice()));
         Some((whitening, row))
     };
     let mut products = DMatrix::zeros(width, width);
-    for records in &data.records_of {
-        let records: Option<Vec<_>> = records.iter().map(|&i| of_record(i)).collect();
-        let records = records?;
-        // The common part of all records of the position is its component errors.
+    for poses in &data.poses_of {
+        let poses: Option<Vec<_>> = poses.iter().map(|&i| of_pose(i)).collect();
+        let poses = poses?;
+        // The common part of all poses of the position is its component errors.
         let mut normal = Matrix6::zeros();
         let mut right: DMatrix<f64> = DMatrix::zeros(6, width);
-        for (whitening, row) in &records {
+        for (whitening, row) in &poses {
             normal += whitening.transpose() * whitening;
             right += whitening.transpose() * row;
         }
         let common = normal.cholesky()?.inverse() * right;
-        for (whitening, row) in &records {
+        for (whitening, row) in &poses {
             let left = row - whitening * &common;
             products.gemm_tr(1.0, &left, &left, 1.0);
         }

@@ -20,13 +20,13 @@ pub(crate) fn triangle(
 ) -> Vec<TriangleSide> {
     let targets = &context.campaign.targets;
     let mut found: Vec<TriangleSide> = Vec::new();
-    let variance_mm2 = point_variance_mm2.unwrap_or(0.0);
+    let sigma_mm = (2.0 * point_variance_mm2.unwrap_or(0.0)).sqrt();
+    let limit_mm = TRIANGLE_TOL_MM.max(TRIANGLE_TOL_SIGMAS * sigma_mm);
     for axis in context.data {
         for run in &axis.runs {
             let seen = run.targets.iter();
             let seen = seen.filter_map(|&t| Some((&targets[t], mean_mm[t]?)));
             let seen: Vec<_> = seen.collect();
-            let limit_mm = TRIANGLE_TOL_MM.max(TRIANGLE_TOL_SIGMAS * (2.0 * variance_mm2).sqrt());
             for (i, (first, first_mm)) in seen.iter().enumerate() {
                 for (second, second_mm) in &seen[i + 1..] {
                     let side = TriangleSide {

@@ -102,7 +102,7 @@ pub(crate) struct MontecarloArgs {
     #[arg(long, default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     pub(crate) seed: u64,
 
-    /// Stop when this many significant digits of every uncertainty have settled (JCGM 101, 7.9).
+    /// Stop when this many significant digits of every uncertainty are stable (JCGM 101, 7.9).
     #[arg(long, value_name = "DIGITS", value_parser = clap::value_parser!(u32).range(1..=3), allow_negative_numbers = true)]
     pub(crate) digits: Option<u32>,
 

@@ -1,7 +1,6 @@
 //! What a calibration that keeps the sides of approach apart says of the lost motion of its axes.
 
 use trueaxis_calibrate::{AxisResult, Calibration, NodeResult};
-use trueaxis_campaign::Direction;
 use trueaxis_files::round;
 use trueaxis_kinematics::AxisKind;
 use trueaxis_predict::CalibratedMachine;
@@ -32,15 +31,13 @@ fn of_axis(machine: &CalibratedMachine, axis: &AxisResult) -> Option<String> {
         AxisKind::Linear => direction.dot(&node.error.translation_mm),
         AxisKind::Rotary => direction.dot(&node.error.rotation_rad),
     };
-    let nodes = axis.nodes.iter();
-    let reversals = nodes.filter_map(|forward| {
-        let is_other_side = |node: &&NodeResult| {
-            node.direction == Some(Direction::Backward)
-                && node.position.total_cmp(&forward.position).is_eq()
+    // Nodes rise by position, backward before forward.
+    let reversals = axis.nodes.windows(2).filter_map(|pair| {
+        let [backward, forward] = pair else {
+            return None;
         };
-        let backward = axis.nodes.iter().find(is_other_side)?;
-        let is_forward = forward.direction == Some(Direction::Forward);
-        is_forward.then(|| (forward.position, own(forward) - own(backward)))
+        let is_reversal = backward.position.total_cmp(&forward.position).is_eq();
+        is_reversal.then(|| (forward.position, own(forward) - own(backward)))
     });
     let (positions, reversals): (Vec<f64>, Vec<f64>) = reversals.unzip();
     let pairs = positions.iter().zip(&reversals);

@@ -85,7 +85,7 @@ fn calibrated_nevertheless() {
             says: &["notice: lengths.csv line 101, column time_s", "goes back"],
         },
         Harmless {
-            name: "no declared accuracy",
+            name: "no declared noise",
             change: |files| {
                 files.json(|json| drop(json.as_object_mut().unwrap().remove("instrument")));
             },

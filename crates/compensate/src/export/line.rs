@@ -123,11 +123,6 @@ impl Line {
         (!is_less).then_some(lost)
     }
 
-    /// The distance of the positions, which must be one.
-    pub(crate) fn spacing(&self, request: &Request<'_>) -> Result<f64, Error> {
-        spacing(request, self.axis, &self.positions)
-    }
-
     fn check_slopes(&self, request: &Request<'_>) -> Result<(), Error> {
         let own = [&self.forward, &self.backward]
             .into_iter()

@@ -30,7 +30,7 @@ use trueaxis_files::round;
 use trueaxis_kinematics::AxisKind;
 
 use crate::Error;
-use crate::export::line::{Line, Sums};
+use crate::export::line::{Line, Sums, spacing};
 use crate::export::old_files::reach;
 use crate::export::sides::Sides;
 use crate::export::sinumerik::levers::Lever;
@@ -63,7 +63,7 @@ fn tables(request: &Request<'_>) -> Result<Tables, Error> {
     let mut sag = Sag::default();
     for axis in request.axes()? {
         let line = Line::new(request, axis)?;
-        let step = line.spacing(request)?;
+        let step = spacing(request, line.axis, &line.positions)?;
         let others = (0..axes.len()).filter(|&other| {
             // Straightness of rotary axes is no function of a position alone.
             other != axis

@@ -27,7 +27,7 @@ fn outside_steps(machine: &CalibratedMachine, entry: &Verified) -> Option<String
         .count();
     (count > 0).then(|| {
         format!(
-            "{}: at {count} of its {} places an axis stands outside its calibrated steps; the errors of its nearest step are taken there, \
+            "{}: at {count} of its {} places an axis stands outside its calibrated steps; its errors there are those of the nearest step, \
              with a larger u",
             entry.name,
             entry.points.len()
@@ -63,8 +63,8 @@ fn far_off(machine: &CalibratedMachine, entry: &Verified, is_compensated: bool) 
         None => "",
     };
     Some(format!(
-        "{}: at {} it is {off_um:+.1} µm off what all others differ by from the prediction, and shifts them with the zero: is a reading \
-         mistyped?{hint}",
+        "{}: at {} the difference from the prediction is {off_um:+.1} µm apart from that of all other places, and shifts the zero of these: is a \
+         reading mistyped?{hint}",
         entry.name,
         at.join(", ")
     ))

@@ -46,7 +46,7 @@ impl Adjustment for Arc {
         Vec::new()
     }
 
-    fn settle(&self, _: &mut f64) {}
+    fn apply_datum(&self, _: &mut f64) {}
 }
 
 #[test]

@@ -12,7 +12,7 @@ pub(crate) const NOISE: Noise = Noise {
     repeatability_mm: 1e-3,
 };
 
-/// So few groups are one piece of work, so many are several.
+/// So few groups are one chunk of work, so many are several.
 pub(crate) const FEW: usize = 21;
 const MANY: usize = 600;
 

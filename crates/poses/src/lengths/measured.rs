@@ -18,7 +18,7 @@ use crate::poses::{PoseNoise, PoseObservation, Poses, TargetBody};
 use crate::words::{MIN_TARGETS, step_in_words, target_names, too_few_targets};
 
 /// Groups that one thread takes at a time.
-const PIECE: usize = 32;
+const CHUNK: usize = 32;
 
 impl LengthsAdjustment<'_> {
     /// The groups of the targets that move with the axes under test, in order.
@@ -161,7 +161,7 @@ impl LengthsAdjustment<'_> {
             DVector::from_iterator(3 * points.len(), coordinates)
         };
         let places: Vec<DVector<f64>> = moved.iter().map(place).collect();
-        let groups = moved.par_iter().zip(&places).with_min_len(PIECE);
+        let groups = moved.par_iter().zip(&places).with_min_len(CHUNK);
         let block = |(&g, place): (&usize, &DVector<f64>)| {
             let (own, coupling) = noise.block(g);
             (own, sources.coupling(coupling, place))
@@ -227,7 +227,7 @@ fn pose_noise(
     let mut own = vec![Matrix6::zeros(); groups.len()];
     let mut couplings = vec![0.0; groups.len() * size];
     let of_poses = own.par_iter_mut().zip(couplings.par_chunks_exact_mut(size));
-    let of_poses = of_poses.zip(groups).zip(places).with_min_len(PIECE);
+    let of_poses = of_poses.zip(groups).zip(places).with_min_len(CHUNK);
     of_poses.for_each(|(((own, of_pose), &g), place)| {
         let (block, coupling) = noise.block(g);
         own.copy_from(&block);

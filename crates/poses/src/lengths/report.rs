@@ -77,7 +77,7 @@ impl LengthsAdjustment<'_> {
                     .to_owned(),
             });
         }
-        if !screened.settled {
+        if !screened.converged {
             notices.push(
                 "the search for gross errors did not come to an end: some lengths still contradict the \
                  others"
@@ -153,7 +153,7 @@ impl LengthsAdjustment<'_> {
         let said = zeros.iter().map(|zero| {
             format!(
                 "station {}: its zero wanders smoothly by {:.1} µm rms, or its tripod does: this is no \
-                 interruption, and nothing was cut; `trueaxis diagnose` says what wanders and calibrates without it",
+                 interruption, and nothing is split; `trueaxis diagnose` says what wanders and calibrates without it",
                 name(zero),
                 rms_um(zero)
             )

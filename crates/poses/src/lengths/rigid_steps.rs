@@ -32,7 +32,7 @@ const BY_ITSELF: f64 = 0.5;
 const LEAST_VARIANCE: f64 = 1e-6;
 
 /// Steps that one thread takes at a time.
-const PIECE: usize = 32;
+const CHUNK: usize = 32;
 
 impl LengthsAdjustment<'_> {
     /// The steps whose targets contradict a rigid body, in measuring order; none where there is no adjustment with rigid stages.
@@ -64,7 +64,7 @@ impl LengthsAdjustment<'_> {
                 let test = shapes.test(g)?;
                 (noise.without(&test).p_value(&test) < level).then_some((g, test))
             };
-            let failing = bound.par_iter().with_min_len(PIECE).filter_map(drop);
+            let failing = bound.par_iter().with_min_len(CHUNK).filter_map(drop);
             let mut failing: Vec<(usize, OwnShapeTest)> = failing.collect();
             let drops = failing.iter().map(|(_, test)| test.drop);
             let least = BY_ITSELF * drops.fold(0.0, f64::max);

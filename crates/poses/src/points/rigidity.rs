@@ -24,7 +24,7 @@ use crate::words::step_in_words;
 const LEVEL: f64 = 0.01;
 
 /// Steps that one thread takes at a time.
-const PIECE: usize = 32;
+const CHUNK: usize = 32;
 
 /// Sum of squares of the test over all steps, and its degrees of freedom: those of the steps less those of the shape
 /// of each body, which is estimated.
@@ -48,12 +48,12 @@ pub(crate) fn misfits(campaign: &Campaign, points: &PointPoses, declared: bool) 
     let level = LEVEL / fits.len() as f64;
     // The poses of each run that has any.
     let mut runs = vec![Vec::new(); campaign.runs.len()];
-    for (record, own) in points.poses.observations.iter().enumerate() {
+    for (pose, own) in points.poses.observations.iter().enumerate() {
         if let Some(run) = campaign.steps[own.step].run {
-            runs[run].push(record);
+            runs[run].push(pose);
         }
     }
-    runs.retain(|records| !records.is_empty());
+    runs.retain(|poses| !poses.is_empty());
     let steps_of_body = |i: usize| {
         let observations = points.poses.observations.iter();
         let body = points.poses.observations[i].body;
@@ -63,8 +63,8 @@ pub(crate) fn misfits(campaign: &Campaign, points: &PointPoses, declared: bool) 
         true => failing_declared(&runs, &fits, level),
         false => failing_among_others(&runs, &fits, &steps_of_body, level),
     };
-    let in_words = |(record, misfit, p_value): Failing| StepMisfit {
-        step: step_in_words(campaign, points.poses.observations[record].step),
+    let in_words = |(pose, misfit, p_value): Failing| StepMisfit {
+        step: step_in_words(campaign, points.poses.observations[pose].step),
         rms_um: misfit.rms_um,
         chi_squared: misfit.chi_squared,
         degrees_of_freedom: misfit.degrees_of_freedom,
@@ -83,16 +83,16 @@ type Failing = (usize, RigidMisfit, f64);
 /// is in units of the noise used.
 fn failing_declared(runs: &[Vec<usize>], fits: &[&StepPose], level: f64) -> Vec<Failing> {
     let mut failing = Vec::new();
-    for records in runs {
+    for poses in runs {
         let against_shape = |shape: &[Vector3<f64>]| {
-            let tested = tested(records, fits, shape);
+            let tested = tested(poses, fits, shape);
             let variance = typical_variance(&tested).max(1.0);
             beyond(tested, variance, level)
         };
-        let suspects = against_shape(&shape(records, fits, median));
+        let suspects = against_shape(&shape(poses, fits, median));
         if !suspects.is_empty() {
             // By the typical variance at least half of the steps pass.
-            let kept = without(records, &suspects);
+            let kept = without(poses, &suspects);
             failing.extend(against_shape(&shape(&kept, fits, mean)));
         }
     }
@@ -114,13 +114,13 @@ fn failing_among_others(
     let own = |(i, misfit): &Tested| misfit.chi_squared * (1.0 - 1.0 / steps_of_body(*i));
     let (mut squares, mut degrees) = (0.0, 0.0);
     let mut left = Vec::new();
-    for records in runs {
-        let kept = without(records, &suspects);
+    for poses in runs {
+        let kept = without(poses, &suspects);
         if kept.is_empty() {
             continue;
         }
         let count = kept.len() as f64;
-        for tested in tested(records, fits, &shape(&kept, fits, mean)) {
+        for tested in tested(poses, fits, &shape(&kept, fits, mean)) {
             if kept.contains(&tested.0) {
                 squares += own(&tested);
                 degrees += tested.1.degrees_of_freedom as f64 * (1.0 - 1.0 / count);
@@ -144,8 +144,8 @@ fn failing_among_others(
 }
 
 /// The tests of poses against a shape.
-fn tested(records: &[usize], fits: &[&StepPose], shape: &[Vector3<f64>]) -> Vec<Tested> {
-    let tested = records.par_iter().with_min_len(PIECE);
+fn tested(poses: &[usize], fits: &[&StepPose], shape: &[Vector3<f64>]) -> Vec<Tested> {
+    let tested = poses.par_iter().with_min_len(CHUNK);
     tested.map(|&i| (i, against(fits[i], shape))).collect()
 }
 
@@ -161,18 +161,18 @@ fn beyond(tested: Vec<Tested>, variance: f64, level: f64) -> Vec<Failing> {
     tested.filter(|(_, _, p_value)| *p_value < level).collect()
 }
 
-fn without(records: &[usize], suspects: &[Failing]) -> Vec<usize> {
+fn without(poses: &[usize], suspects: &[Failing]) -> Vec<usize> {
     let is_kept = |i: &&usize| suspects.iter().all(|suspect| suspect.0 != **i);
-    records.iter().filter(is_kept).copied().collect()
+    poses.iter().filter(is_kept).copied().collect()
 }
 
 /// The common shape of some poses.
-fn shape(records: &[usize], fits: &[&StepPose], combine: fn(Vec<f64>) -> f64) -> Vec<Vector3<f64>> {
+fn shape(poses: &[usize], fits: &[&StepPose], combine: fn(Vec<f64>) -> f64) -> Vec<Vector3<f64>> {
     let coordinate = |target: usize, c: usize| {
-        let of_records = records.iter().map(|&i| fits[i].distortion_mm[target][c]);
-        combine(of_records.collect())
+        let of_poses = poses.iter().map(|&i| fits[i].distortion_mm[target][c]);
+        combine(of_poses.collect())
     };
-    let targets = records.first().map_or(0, |&i| fits[i].deltas_mm.len());
+    let targets = poses.first().map_or(0, |&i| fits[i].deltas_mm.len());
     let targets = (0..targets).map(|t| Vector3::from_fn(|c, _| coordinate(t, c)));
     targets.collect()
 }

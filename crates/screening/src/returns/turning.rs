@@ -14,9 +14,9 @@ use super::{Axes, AxisReturn, PLAIN, Returned, STEPS, wrong};
 use crate::{Error, Screened};
 
 /// Standard deviations from one at which a ratio of variances is no chance where less is wrong with it, since the stops
-/// that show it may have been removed; and at which it is settled.
+/// that show it may have been removed; and at which it is converged.
 const LIKELY: f64 = 2.0;
-const SETTLED: f64 = 0.2;
+const CONVERGED: f64 = 0.2;
 
 /// A turn that changes lengths by this many times their noise removes no stop at first, or none might be left to show it.
 const EXCUSED: f64 = 10.0;
@@ -48,7 +48,7 @@ impl Axes<'_> {
             self.excuse(&found, noise, &mut ratios);
             found = Cow::Owned(self.search(&ratios, noise)?);
         }
-        self.settle(&mut found, &mut ratios, |found, ratios| {
+        self.iterate(&mut found, &mut ratios, |found, ratios| {
             let mut adjusted = self.again(ratios, found)?;
             for _ in 0..STEPS {
                 if !self.improve(&adjusted, ratios, PLAIN) {
@@ -116,7 +116,7 @@ impl Axes<'_> {
                 continue;
             };
             let differs = match own.angle > 0.0 {
-                true => turns.excess.abs() > SETTLED * turns.chance,
+                true => turns.excess.abs() > CONVERGED * turns.chance,
                 false => turns.excess > limit * turns.chance,
             };
             if differs {

@@ -5,7 +5,7 @@ use super::{Axes, AxisReturn, PLAIN, Returned, STEPS, wrong};
 use crate::uneven::uneven_axes;
 use crate::{Error, Screened};
 
-/// A repeatability is settled if its variance is right to this.
+/// A repeatability is converged if its variance is right to this.
 const RIGHT: f64 = 0.02;
 
 /// No axis misses its steps by more, mm (standard deviation): lengths are wrong.
@@ -20,7 +20,7 @@ impl Axes<'_> {
     ) -> Option<Returned> {
         let (mut found, limit) = self.start(together)?;
         let mut is_known = false;
-        self.settle(&mut found, &mut ratios, |found, ratios| {
+        self.iterate(&mut found, &mut ratios, |found, ratios| {
             let mut adjusted = match is_known {
                 true => self.again(ratios, found)?,
                 false => found.clone(),
@@ -33,7 +33,7 @@ impl Axes<'_> {
                 let sweeps = (self.count, &self.sweeps[..]);
                 let scatters = uneven_axes(network, solution, sweeps, is_known)?;
                 is_known = true;
-                let settled = scatters.iter().all(|ratio| (ratio - 1.0).abs() < RIGHT);
+                let converged = scatters.iter().all(|ratio| (ratio - 1.0).abs() < RIGHT);
                 // The repeatability of the network is their root mean square.
                 let of_axis = |axis: usize| ratios[axis].variance * scatters[axis];
                 let measured =
@@ -46,7 +46,7 @@ impl Axes<'_> {
                 adjusted = self.again(ratios, found)?;
                 if self.improve(&adjusted, ratios, PLAIN) {
                     adjusted = self.again(ratios, found)?;
-                } else if settled {
+                } else if converged {
                     break;
                 }
             }

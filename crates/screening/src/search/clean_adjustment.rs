@@ -56,7 +56,7 @@ impl Search {
             given_squares,
             jumps: self.found_jumps(&network, &solution),
             wandering,
-            settled: self.settled,
+            converged: self.converged,
             tests: None,
             network,
             solution: Arc::new(solution),

@@ -32,9 +32,9 @@ impl Search {
         distances: impl Fn(&[ReadingTest]) -> Vec<f64>,
     ) -> Result<(), Error> {
         let mut width = f64::INFINITY;
-        let mut settled = 0;
+        let mut final_rounds = 0;
         for _ in 0..MAX_ROUNDS {
-            if settled == WELSCH_ITERATIONS || self.is_lost() {
+            if final_rounds == WELSCH_ITERATIONS || self.is_lost() {
                 break;
             }
             let (tests, _) = self.tests()?;
@@ -42,7 +42,7 @@ impl Search {
             let distances = distances(&tests.readings);
             let largest = distances.iter().fold(0.0_f64, |most, t| most.max(t.abs()));
             width = (0.5 * width).min(largest).min(widest * spread).max(spread);
-            settled += usize::from(width <= spread);
+            final_rounds += usize::from(width <= spread);
             self.inflation = distances.iter().map(|t| welsch(t / width)).collect();
             self.solve()?;
         }

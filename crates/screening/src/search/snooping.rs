@@ -16,8 +16,8 @@ impl Search {
             }
             self.too_many(HOPELESS * self.most_removed)?;
             let (tests, spread) = self.tests()?;
-            if let Some(step) = self.step(&tests.readings, spread) {
-                self.split(step.station, step.first_reading);
+            if let Some(jump) = self.jump(&tests.readings, spread) {
+                self.split(jump.station, jump.first_reading);
                 self.solve()?;
                 continue;
             }
@@ -32,7 +32,7 @@ impl Search {
             }
             self.solve()?;
         }
-        self.settled = false;
+        self.converged = false;
         Ok(())
     }
 

@@ -5,15 +5,15 @@ use trueaxis_multilateration::{Interruption, Network, ReadingTest, Solution, Whi
 use super::Search;
 use crate::Error;
 use crate::interruption::Rivals;
+use crate::jump_tests::{JumpTest, largest_jumps};
 use crate::robust_weights::{REMOVED, distances_from_neighbours};
 use crate::screened::{Jump, WanderingZero};
-use crate::step_tests::{StepTest, largest_steps};
 
 /// Probability that any occupation of a network without interruptions is split.
 pub(super) const STEPS_LEVEL: f64 = 1e-3;
 
-/// A step with fewer readings before or after it cannot be distinguished from gross errors.
-const LEAST_STEP: usize = 4;
+/// A jump with fewer readings before or after it cannot be distinguished from gross errors.
+const LEAST_JUMP: usize = 4;
 
 /// Width of the weights, in spreads, after a split: most far readings are removed by then.
 const WIDE_AGAIN: f64 = 4.0;
@@ -28,7 +28,7 @@ impl Search {
             let zeros = self.network.zero_of_readings();
             self.let_go(widest, |tests| distances_from_neighbours(tests, &zeros))?;
             let (tests, spread) = self.tests()?;
-            let Some(step) = self.step(&tests.readings, spread) else {
+            let Some(jump) = self.jump(&tests.readings, spread) else {
                 return Ok(());
             };
             if self.network.interruptions.len() == MOST_SPLITS * self.network.stations.len() {
@@ -36,72 +36,72 @@ impl Search {
                 self.never_split = true;
                 return self.solve();
             }
-            self.split(step.station, step.first_reading);
+            self.split(jump.station, jump.first_reading);
             self.solve()?;
             widest = WIDE_AGAIN;
         }
     }
 
-    /// The most significant step that is an interruption, if any; a step less significant than a single reading may
+    /// The most significant jump that is an interruption, if any; a jump less significant than a single reading may
     /// be caused by that reading.
-    pub(super) fn step(&mut self, tests: &[ReadingTest], spread: f64) -> Option<StepTest> {
+    pub(super) fn jump(&mut self, tests: &[ReadingTest], spread: f64) -> Option<JumpTest> {
         if self.never_split {
             return None;
         }
-        let (steps, rows) = self.significant_steps(tests, spread)?;
+        let (jumps, rows) = self.significant_jumps(tests, spread)?;
         let solution = self.solution.as_deref()?;
-        steps.into_iter().find(|step| {
-            Rivals::of(step, (&self.network, solution), &rows, spread)
-                .is_interruption(self.cuts_what_wanders)
+        jumps.into_iter().find(|jump| {
+            Rivals::of(jump, (&self.network, solution), &rows, spread)
+                .is_interruption(self.splits_what_wanders)
         })
     }
 
-    /// The stations whose zeros wander: a step would be significant, but is not needed beside the wandering.
+    /// The stations whose zeros wander: a jump would be significant, but is not needed beside the wandering.
     pub(super) fn wandering_zeros(&mut self) -> Result<Vec<WanderingZero>, Error> {
         let (tests, spread) = self.tests()?;
-        if self.never_split || self.cuts_what_wanders {
+        if self.never_split || self.splits_what_wanders {
             return Ok(Vec::new());
         }
-        let significant = self.significant_steps(&tests.readings, spread);
-        let (Some((steps, rows)), Some(solution)) = (significant, self.solution.as_deref()) else {
+        let significant = self.significant_jumps(&tests.readings, spread);
+        let (Some((jumps, rows)), Some(solution)) = (significant, self.solution.as_deref()) else {
             return Ok(Vec::new());
         };
-        let wandering = steps.into_iter().filter_map(|step| {
-            let rivals = Rivals::of(&step, (&self.network, solution), &rows, spread);
+        let wandering = jumps.into_iter().filter_map(|jump| {
+            let rivals = Rivals::of(&jump, (&self.network, solution), &rows, spread);
             let rms_mm = rivals.wandering_mm()?;
             Some(WanderingZero {
-                station: step.station,
+                station: jump.station,
                 rms_mm,
             })
         });
         Ok(wandering.collect())
     }
 
-    /// For each zero its largest step, if it is significant, the most significant one first, with the rows of the hat
+    /// For each zero its largest jump, if it is significant, the most significant one first, with the rows of the hat
     /// matrix; `None` if there is none.
-    fn significant_steps(
+    fn significant_jumps(
         &mut self,
         tests: &[ReadingTest],
         spread: f64,
-    ) -> Option<(Vec<StepTest>, Whitened)> {
+    ) -> Option<(Vec<JumpTest>, Whitened)> {
         let mut rows = None;
-        if self.largest_steps.is_none() {
+        if self.largest_jumps.is_none() {
             let new = self.hat_rows()?;
-            self.largest_steps = Some(largest_steps(&self.network, &new));
+            self.largest_jumps = Some(largest_jumps(&self.network, &new));
             rows = Some(new);
         }
-        let mut steps = self.largest_steps.clone()?;
+        let mut jumps = self.largest_jumps.clone()?;
         let taking_part = tests.iter().zip(&self.inflation);
         let largest_reading = taking_part
             .filter(|&(_, &factor)| factor <= 1.0)
             .fold(0.0_f64, |largest, (test, _)| largest.max(test.w.abs()));
         let limit = (self.limit(STEPS_LEVEL) * spread).max(largest_reading);
-        steps.retain(|step| step.w.abs() > limit && step.before.min(step.after) >= LEAST_STEP);
-        steps.sort_by(|a, b| b.w.abs().total_cmp(&a.w.abs()));
-        if steps.is_empty() {
+        jumps.retain(|jump| jump.w.abs() > limit && jump.before.min(jump.after) >= LEAST_JUMP);
+        jumps.sort_by(|a, b| b.w.abs().total_cmp(&a.w.abs()));
+        if jumps.is_empty() {
             return None;
         }
-        Some((steps, rows.or_else(|| self.hat_rows())?))
+        Some((jumps, rows.or_else(|| self.hat_rows())?))
     }
 
     pub(super) fn split(&mut self, station: usize, first_reading: usize) {
@@ -129,12 +129,12 @@ impl Search {
                 self.solve()?;
                 continue;
             };
-            let steps = largest_steps(&self.network, &rows).into_iter();
-            let of_station = steps.filter(|s| s.station == interruption.station);
+            let jumps = largest_jumps(&self.network, &rows).into_iter();
+            let of_station = jumps.filter(|s| s.station == interruption.station);
             let best = of_station.max_by(|a, b| a.w.abs().total_cmp(&b.w.abs()));
             let first_reading = best.map_or(interruption.first_reading, |s| s.first_reading);
             let excluded = best
-                .map(|step| Rivals::of(&step, (&self.network, solution), &rows, spread).excluded());
+                .map(|jump| Rivals::of(&jump, (&self.network, solution), &rows, spread).excluded());
             self.split(interruption.station, first_reading);
             let placed = Interruption {
                 first_reading,
@@ -193,7 +193,7 @@ impl Search {
                 Jump {
                     first_reading: interruption.first_reading,
                     tripod_may_have_moved: !excluded.tripod,
-                    may_wander: self.cuts_what_wanders || !excluded.wander,
+                    may_wander: self.splits_what_wanders || !excluded.wander,
                     ..jump
                 }
             })

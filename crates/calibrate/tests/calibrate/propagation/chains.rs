@@ -74,7 +74,7 @@ fn oblique_axes() {
 }
 
 /// A rotary axis inclined to the one that carries it: a shift along one has a part along the other. At 45° their u was up
-/// to 1.8 times too small, and at 30° the calibration did not settle.
+/// to 1.8 times too small, and at 30° the calibration did not converge.
 #[test]
 fn an_inclined_rotary_axis_on_another() {
     let mut scenario = with_chains(&["X"], &["C", "B"], &["X", "B"], &[]);

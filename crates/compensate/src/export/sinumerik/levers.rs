@@ -19,7 +19,7 @@ use trueaxis_files::round;
 use trueaxis_kinematics::{AxisKind, Branch, Machine};
 
 use crate::export::Request;
-use crate::export::line::{Line, interpolate, take_off};
+use crate::export::line::{Line, interpolate, spacing, take_off};
 use crate::export::sinumerik::sag::Product;
 use crate::export::sinumerik::table::{Kind, Table};
 use crate::{Error, Moved, axis_deviations};
@@ -55,7 +55,7 @@ impl Lever {
         let linear: Vec<usize> = linear.into_iter().filter(is_linear).collect();
         let mut all = Vec::new();
         for line in lines.iter().filter(|line| is_linear(&line.axis)) {
-            let step = line.spacing(request)?;
+            let step = spacing(request, line.axis, &line.positions)?;
             let after = linear.iter().skip_while(|axis| **axis != line.axis);
             for &along in after.skip(1) {
                 let travel = axes[along].travel();

@@ -1,6 +1,6 @@
-//! Tests of steps in a station's zero (Baarda's w, as for a reading: [`trueaxis_multilateration::Tests`]).
+//! Tests of jumps in a station's zero (Baarda's w, as for a reading: [`trueaxis_multilateration::Tests`]).
 //!
-//! A step is an equal error in all readings of a zero from an instant on: the sum `c = Σ e_i` of their unit
+//! A jump is an equal error in all readings of a zero from an instant on: the sum `c = Σ e_i` of their unit
 //! errors. With the whitened rows `O`, `T` of the hat matrix ([`Whitened`]) and the whitened `c`,
 //!
 //! ```text
@@ -14,25 +14,25 @@ use rayon::prelude::*;
 use trueaxis_leastsquares::dot;
 use trueaxis_multilateration::{CHECKED_TOL, Network, Whitened};
 
-/// The test of a step in a station's zero.
+/// The test of a jump in a station's zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct StepTest {
+pub(crate) struct JumpTest {
     /// The station.
     pub(crate) station: usize,
-    /// First reading after the step.
+    /// First reading after the jump.
     pub(crate) first_reading: usize,
-    /// Readings of the same zero before the step, and after it.
+    /// Readings of the same zero before the jump, and after it.
     pub(crate) before: usize,
     pub(crate) after: usize,
-    /// Standardised size of the step.
+    /// Standardised size of the jump.
     pub(crate) w: f64,
 }
 
 /// Steps whose part through the shared unknowns is computed together.
-const STEPS: usize = 32;
+const JUMPS: usize = 32;
 
-/// The most significant step of every zero.
-pub(crate) fn largest_steps(network: &Network, rows: &Whitened) -> Vec<StepTest> {
+/// The most significant jump of every zero.
+pub(crate) fn largest_jumps(network: &Network, rows: &Whitened) -> Vec<JumpTest> {
     let zeros = network.zero_of_readings();
     let mut occupations: Vec<Vec<(usize, usize)>> = vec![Vec::new(); network.zeros()];
     for (number, visit) in network.visits.iter().enumerate() {
@@ -41,43 +41,43 @@ pub(crate) fn largest_steps(network: &Network, rows: &Whitened) -> Vec<StepTest>
         }
     }
     let occupations = occupations.par_iter();
-    let largest = occupations.filter_map(|occupation| largest_step(occupation, network, rows));
+    let largest = occupations.filter_map(|occupation| largest_jump(occupation, network, rows));
     largest.collect()
 }
 
 /// Adds the readings of a zero (with their visits) one by one from the last to the first; the sum of unit errors
-/// after each reading is the step that begins with it.
-fn largest_step(
+/// after each reading is the jump that begins with it.
+fn largest_jump(
     occupation: &[(usize, usize)],
     network: &Network,
     rows: &Whitened,
-) -> Option<StepTest> {
+) -> Option<JumpTest> {
     let width = rows.shared_width;
-    let mut largest: Option<StepTest> = None;
+    let mut largest: Option<JumpTest> = None;
     let mut sums = Sums::new(rows);
-    let mut steps: Vec<(usize, Step)> = Vec::with_capacity(STEPS);
+    let mut jumps: Vec<(usize, JumpSums)> = Vec::with_capacity(JUMPS);
     // Symmetric: rows are columns.
     let sigma = DMatrixView::from_slice(&rows.reduced_inverse, width, width);
-    let mut shared = Vec::with_capacity(STEPS * width);
+    let mut shared = Vec::with_capacity(JUMPS * width);
     for (place, &(reading, visit)) in occupation.iter().enumerate().skip(1).rev() {
         sums.add(rows, reading, visit);
-        steps.push((place, sums.step));
+        jumps.push((place, sums.jump));
         shared.extend_from_slice(&sums.shared);
-        if steps.len() < STEPS && place > 1 {
+        if jumps.len() < JUMPS && place > 1 {
             continue;
         }
-        let of_steps = DMatrixView::from_slice(&shared, width, steps.len());
-        let through: DMatrix<f64> = sigma * of_steps;
-        let parts = through.column_iter().zip(of_steps.column_iter());
-        for ((place, step), (through, shared)) in steps.drain(..).zip(parts) {
-            let kept = step.squares - step.own_squares - through.dot(&shared);
-            if kept <= CHECKED_TOL * step.squares {
+        let of_jumps = DMatrixView::from_slice(&shared, width, jumps.len());
+        let through: DMatrix<f64> = sigma * of_jumps;
+        let parts = through.column_iter().zip(of_jumps.column_iter());
+        for ((place, jump), (through, shared)) in jumps.drain(..).zip(parts) {
+            let kept = jump.squares - jump.own_squares - through.dot(&shared);
+            if kept <= CHECKED_TOL * jump.squares {
                 continue;
             }
-            let w = step.numerator / kept.sqrt();
+            let w = jump.numerator / kept.sqrt();
             if largest.is_none_or(|best| w.abs() > best.w.abs()) {
                 let (first_reading, visit) = occupation[place];
-                largest = Some(StepTest {
+                largest = Some(JumpTest {
                     station: network.visits[visit].station,
                     first_reading,
                     before: place,
@@ -91,9 +91,9 @@ fn largest_step(
     largest
 }
 
-/// Sums over the readings of a step.
+/// Sums over the readings of a jump.
 #[derive(Debug, Clone, Copy, Default)]
-struct Step {
+struct JumpSums {
     /// `cᵀv`, `cᵀc` and `Σ |Oᵀ c|²`.
     numerator: f64,
     squares: f64,
@@ -101,7 +101,7 @@ struct Step {
 }
 
 struct Sums {
-    step: Step,
+    jump: JumpSums,
     /// `Tᵀc`, and `Oᵀ c` of all groups.
     shared: Vec<f64>,
     own: Vec<f64>,
@@ -114,7 +114,7 @@ struct Sums {
 impl Sums {
     fn new(rows: &Whitened) -> Self {
         Self {
-            step: Step::default(),
+            jump: JumpSums::default(),
             shared: vec![0.0; rows.shared_width],
             own: vec![0.0; rows.groups * rows.own_width],
             unit: Vec::new(),
@@ -133,12 +133,12 @@ impl Sums {
         let own = &mut self.own[rows.columns_of_group(range.start)];
         let before = dot(own, own);
         for ((row, &x), sum) in range.zip(&self.unit).zip(&mut self.of_visit) {
-            self.step.numerator += x * rows.residuals[row];
-            self.step.squares += x * (x + 2.0 * *sum);
+            self.jump.numerator += x * rows.residuals[row];
+            self.jump.squares += x * (x + 2.0 * *sum);
             *sum += x;
             rows.add_row(row, x, own, &mut self.shared);
         }
-        self.step.own_squares += dot(own, own) - before;
+        self.jump.own_squares += dot(own, own) - before;
     }
 }
 
@@ -205,10 +205,10 @@ mod tests {
         let solution = solve(&network).unwrap();
         let rows = Whitened::new(&network, &solution);
         let zero_of = network.zero_of_readings();
-        let steps = largest_steps(&network, &rows);
-        assert_eq!(steps.len(), STATIONS.len() + 1);
-        for step in steps {
-            let zero = zero_of[step.first_reading];
+        let jumps = largest_jumps(&network, &rows);
+        assert_eq!(jumps.len(), STATIONS.len() + 1);
+        for jump in jumps {
+            let zero = zero_of[jump.first_reading];
             let of_zero = (0..zero_of.len()).filter(|&i| zero_of[i] == zero);
             let mut largest = (0.0_f64, 0);
             for first in of_zero.skip(1) {
@@ -224,8 +224,8 @@ mod tests {
                     largest = (w, first);
                 }
             }
-            assert_eq!(step.first_reading, largest.1);
-            let (found, expected) = (step.w, largest.0);
+            assert_eq!(jump.first_reading, largest.1);
+            let (found, expected) = (jump.w, largest.0);
             assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         }
     }

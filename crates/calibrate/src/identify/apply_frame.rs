@@ -9,7 +9,7 @@ use crate::identify::state::State;
 
 /// Moves the reference frame and the axial positions of rotary axes to fulfil the rule; returns the largest change,
 /// mm.
-pub(crate) fn settle_frame(context: &Context<'_>, frame: &FrameRule, next: &mut State) -> f64 {
+pub(crate) fn apply_frame(context: &Context<'_>, frame: &FrameRule, next: &mut State) -> f64 {
     let tilts = frame.lines.iter().map(|&k| next.axes[k].location.tilt_rad);
     let tilts: Vec<Vector3<f64>> = tilts.collect();
     let homes_mm = home_positions(context, next);

@@ -5,17 +5,17 @@ use std::ops::Range;
 use rayon::prelude::*;
 use trueaxis_leastsquares::in_widest_registers;
 
-/// Batches of a piece: enough work, some 50 µs, to pay for handing it to a thread.
+/// Batches of a chunk: enough work, some 50 µs, to pay for handing it to a thread.
 const LEAST_BATCHES: usize = 16;
 
-/// Largest number of pieces: more would not spread the work better, and each has a reduced system of its own.
-const MOST_PIECES: usize = 64;
+/// Largest number of chunks: more would not spread the work better, and each has a reduced system of its own.
+const MOST_CHUNKS: usize = 64;
 
-/// The consecutive pieces of all batches, nearly equal and even in number, so that two threads share them equally.
-pub(crate) fn pieces(batches: usize) -> Vec<Range<usize>> {
+/// The consecutive chunks of all batches, nearly equal and even in number, so that two threads share them equally.
+pub(crate) fn chunks(batches: usize) -> Vec<Range<usize>> {
     let count = match batches.div_ceil(LEAST_BATCHES) {
         0 | 1 => 1,
-        several => several.next_multiple_of(2).min(MOST_PIECES),
+        several => several.next_multiple_of(2).min(MOST_CHUNKS),
     };
     let size = batches.div_ceil(count).max(1);
     let starts = (0..batches).step_by(size);
@@ -24,8 +24,8 @@ pub(crate) fn pieces(batches: usize) -> Vec<Range<usize>> {
         .collect()
 }
 
-/// Runs work that passes over the batches many times in a thread of the pool, if there is more than one piece:
-/// handing out pieces from outside the pool costs more, each time.
+/// Runs work that passes over the batches many times in a thread of the pool, if there is more than one chunk:
+/// handing out chunks from outside the pool costs more, each time.
 pub(crate) fn within_pool<T: Send>(batches: usize, work: impl FnOnce() -> T + Send) -> T {
     match batches > LEAST_BATCHES {
         true => rayon::scope(|_| work()),

@@ -7,8 +7,8 @@ use trueaxis_effects::Level;
 use trueaxis_tests::blind::{self, Act, Course, Hidden, Kind};
 use trueaxis_tests::in_parallel;
 
-/// What is drawn, its name, and its twin.
-const TWINS: [(&str, &str, &str); 4] = [
+/// What is drawn, its name, and the effect with which it is confounded without the bed.
+const PAIRS: [(&str, &str, &str); 4] = [
     ("machine_shift", "machine_shift", "station_jump"),
     ("station_jump", "station_jump", "machine_shift"),
     ("machine_drift", "machine_drift", "station_drift"),
@@ -49,17 +49,17 @@ fn named(diagnosis: &Diagnosis) -> Vec<&'static str> {
 }
 
 /// Diagnoses these campaigns of each pair: in so many at least the hidden one is named, alone or with others, and its
-/// twin is not.
+/// other one is not.
 fn assert_told_apart(strength: f64, seeds: std::ops::Range<u64>, least: usize) {
     let mut too_few = Vec::new();
-    for (drawn, name, twin) in TWINS {
+    for (drawn, name, confounded) in PAIRS {
         let named = |seed: u64| named(&diagnosed(&[hidden(drawn, seed, strength)], seed));
         let all: Vec<Vec<&str>> = in_parallel(seeds.clone(), named);
         let (told, other): (Vec<_>, Vec<_>) = all
             .iter()
-            .partition(|ids| ids.contains(&name) && !ids.contains(&twin));
+            .partition(|ids| ids.contains(&name) && !ids.contains(&confounded));
         println!(
-            "{drawn} at {strength}: {} of {} told from {twin}; others {other:?}",
+            "{drawn} at {strength}: {} of {} told from {confounded}; others {other:?}",
             told.len(),
             all.len()
         );
@@ -70,7 +70,7 @@ fn assert_told_apart(strength: f64, seeds: std::ops::Range<u64>, least: usize) {
     assert!(too_few.is_empty(), "λ = {strength}: {too_few:?}");
 }
 
-/// The fast part: at λ = 20, of which two thirds tell the twins apart in the median.
+/// The fast part: at λ = 20, of which two thirds tell the two apart in the median.
 #[test]
 fn bed_targets_tell_the_machine_from_the_tripod() {
     assert_told_apart(20.0, 0..1, 1);
@@ -97,7 +97,7 @@ fn a_bed_at_rest_is_clean() {
     assert!(alarms.is_empty(), "{alarms:?}");
 }
 
-/// What of a disturbance is left that its twin cannot take, as a part of it.
+/// The part of an effect that `others`, confounded with it, cannot take.
 fn left_by(others: &[Hidden], own: &Hidden, seed: u64) -> f64 {
     let square = |all: &[&Hidden]| {
         let all: Vec<Hidden> = all.iter().map(|h| (*h).clone()).collect();
