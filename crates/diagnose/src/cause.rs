@@ -87,8 +87,8 @@ pub enum Rival {
     Disturbance {
         /// What wanders.
         whose: Wandering,
-        /// Twice the logarithm of its marginal likelihood ratio against the same model; positive is better.
-        evidence: f64,
+        /// 2 ln B, twice the logarithm of its Bayes factor against the same model; positive is better.
+        two_ln_b: f64,
     },
 }
 
@@ -141,6 +141,13 @@ impl Cause {
             Some(mean) => self.effect.explanation_at(mean.value),
             None => self.effect.explanation(),
         }
+    }
+
+    /// Whether its curve is one of angles: lost motion of a rotary axis, arcsec over degrees, instead of µm over mm. `None`
+    /// without a curve.
+    pub fn has_angular_curve(&self) -> Option<bool> {
+        let mean = self.mean_lost_motion.as_ref();
+        mean.map(|mean| mean.unit == "arcsec")
     }
 
     /// Its parameters for the report: lost motion that changes along an axis by its mean where it was measured.

@@ -19,7 +19,7 @@
 //! | | lengths, points ([`search`]) | readings, runs ([`linear`]) | error curves |
 //! | --- | --- | --- | --- |
 //! | most causes | 6, 4 | 3; 5 where they must leave nothing, as on a circle that all errors of two axes shape | 4 |
-//! | a better name may replace a cause | yes | yes, but where causes settle that were found otherwise: beside what wanders, each is asked for by its name | no: all curves of all sizes of the rest would be judged again, for one effect each |
+//! | a better name may replace a cause | yes | yes, but where causes are revised that were found otherwise: beside what wanders, each is asked for by its name | no: all curves of all sizes of the rest would be judged again, for one effect each |
 //! | shapes of several causes | one at a time | together, since those of few readings hide each other | by Gauss-Newton, with the sizes |
 //! | causes that hide each other | two names exchanged at once, at one station | two join at once, where few readings are left for the noise | none |
 //! | nested forms | none in the catalogue | the simplest that is enough | none |
@@ -48,7 +48,7 @@
 //! - [`mod@forward`]: the search for causes; [`search`]: where everything is adjusted anew with each; [`linear`]: where
 //!   nothing is, in the readings of a verification, of all together, and in runs.
 //! - [`smooth`]: how much a process of unknown form explains; [`mod@disturbance`]: what wanders, and in what form;
-//!   [`mod@wandering`]: the search for disturbances, in lengths and points by [`wanders`], where they have more evidence
+//!   [`mod@wandering`]: the search for disturbances, in lengths and points by [`wanders`], where they have a larger 2 ln B
 //!   than causes or are left beside them ([`competition`]); [`mod@wandered`] reports them.
 //! - [`culprit`]: whether two causes are one trouble under two names.
 //! - [`omnibus`]: whether anything is left, and what it varies with; causes that only imitate it.
@@ -84,7 +84,7 @@ mod wanders;
 pub(crate) use accidents::{ACCIDENT_LEVEL, LEAST_OTHERS, Tested, first_lines, most};
 pub(crate) use between::golden_section;
 pub(crate) use competition::{
-    Candidates, Competed, PART, add_rival_disturbances, compete, only_wandering, price, settled,
+    Candidates, Competed, PART, add_rival_disturbances, compete, only_wandering, price, revised,
     together,
 };
 pub(crate) use culprit::{Culprit, Culprits};
@@ -103,7 +103,7 @@ pub(crate) use opposed::{are_opposed, fitted_effects};
 pub(crate) use places::{Misfits, side};
 pub(crate) use ranking::{Ranking, plausible, rivals};
 pub(crate) use report::{Findings, rms};
-pub(crate) use search::{find_causes, settle};
+pub(crate) use search::{find_causes, revise};
 pub(crate) use smooth::{Posterior, SMOOTH_LEVEL, Smooth, beside_all, correlation_lengths};
 pub(crate) use unseen::{in_words, unseen, untested, without_trace};
 pub(crate) use wandered::{Coefficients, wandered};

@@ -22,7 +22,7 @@
 //! - [`mod@wrong_points`]: those that `calibrate` leaves out, too.
 //! - [`doubted`]: whether too many points contradict the others for that.
 //! - [`measured`]: the points as the search for causes ([`crate::engine`]) needs them. A frame that moves as a whole
-//!   cannot be distinguished from a machine that does: both twins are always given.
+//!   cannot be distinguished from a machine that does: both are always given.
 //! - [`beside`]: disturbances join the covariance.
 //! - [`omnibus`]: whether anything is left, and what it varies with.
 //! - [`believed`]: the causes that are named.

@@ -131,18 +131,18 @@ impl Gram {
         covariance
     }
 
-    /// Twice the logarithm of the marginal likelihood ratio for a prior `N(0, w² I)` of the parameters, with the most
+    /// 2 ln B, twice the logarithm of the Bayes factor, for a prior `N(0, w² I)` of the parameters, with the most
     /// likely width `w` (empirical Bayes): `max_w Σ z² w²g/(1 + w²g) - ln(1 + w²g)`, zero where no width gains.
-    pub fn evidence(&self, s: &[f64]) -> f64 {
+    pub fn two_ln_b(&self, s: &[f64]) -> f64 {
         self.most_likely_variance(s).1
     }
 
-    /// The evidence from the coordinates ([`Self::standardised`]).
-    pub fn evidence_of(coordinates: &[(f64, f64)]) -> f64 {
+    /// The 2 ln B from the coordinates ([`Self::standardised`]).
+    pub fn two_ln_b_of(coordinates: &[(f64, f64)]) -> f64 {
         best_variance(coordinates, |gained, ln_price| gained - ln_price).1
     }
 
-    /// The posterior mean of the parameters with the prior of [`Self::evidence`]: combinations that the data hardly
+    /// The posterior mean of the parameters with the prior of [`Self::two_ln_b`]: combinations that the data hardly
     /// see stay near zero, so that the mean predicts other data well that do see them.
     pub fn shrunk(&self, s: &[f64]) -> Vec<f64> {
         let (variance, _) = self.most_likely_variance(s);

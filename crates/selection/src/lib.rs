@@ -13,9 +13,9 @@
 //!
 //! Three numbers judge a hypothesis. Its *p-value* is that of the F test of `T`; the smallest p-value over all
 //! hypotheses and shapes is compared with what noise alone gives through the same projection ([`Null`]). Its *BIC* is
-//! the usual one. Its *evidence* is twice the logarithm of the marginal likelihood ratio against the base model, with
+//! the usual one. Its *2 ln B* is twice the logarithm of the Bayes factor against the base model (Kass and Raftery 1995), with
 //! a prior of the parameters that is isotropic in their common unit, as wide as the data suggest, and flat over
-//! shapes and subjects ([`Score::evidence`]): a vector that happens to point along the beam costs as much as this
+//! shapes and subjects ([`Score::two_ln_b`]): a vector that happens to point along the beam costs as much as this
 //! coincidence is unlikely, whereas the BIC charges every parameter alike.
 //!
 //! Noun in: whitened residuals and the columns that their base model absorbs (a [`Projection`]), and hypotheses with
@@ -41,6 +41,7 @@ mod f_test;
 mod fixed_scan;
 mod gram;
 mod gram_matrix;
+mod instant_scan;
 mod ln_chi_squared;
 mod null;
 mod projection;
@@ -50,19 +51,18 @@ mod scan;
 mod score;
 mod shape_columns;
 mod soft;
-mod step_scan;
 mod visit_times;
 
 pub use f_test::{f_test, ln_f_test};
 pub use fixed_scan::{FixedScan, middle};
 pub use gram::{Gram, restricted_likelihood};
 pub use gram_matrix::{gram as gram_of, gram_matrix};
+pub use instant_scan::InstantScan;
 pub use ln_chi_squared::ln_chi_squared;
 pub use null::Null;
 pub use projection::{Projection, add, combined, lengths_beside_earlier};
 pub use rivals::{ALIKE, DECISIVE, Fit, cosine, is_rival};
 pub use scan::{Hypothesis, OfOne, OfSeveral, Scan, Tried};
-pub use score::{EQUAL, Score, best_shape, by_evidence, mean_evidence, rank};
+pub use score::{EQUAL, Score, best_shape, by_two_ln_b, mean_two_ln_b, rank};
 pub use shape_columns::ShapeColumns;
-pub use step_scan::StepScan;
 pub use visit_times::VisitTimes;

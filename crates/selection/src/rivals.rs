@@ -99,11 +99,11 @@ pub const DECISIVE: f64 = 6.0;
 /// Explanations with a larger cosine than this are one explanation under two names.
 pub const ALIKE: f64 = 0.95;
 
-/// Whether `rival` is indistinguishable from the leader: by evidence or BIC within 6, or because both explain the same.
-/// With more free parameters an explanation is always at least as alike; then only the evidence decides, which counts
+/// Whether `rival` is indistinguishable from the leader: by 2 ln B or BIC within 6, or because both explain the same.
+/// With more free parameters an explanation is always at least as alike; then only 2 ln B decides, which counts
 /// the coincidence.
 pub fn is_rival(leader: &Score, rival: &Score, cosine: f64) -> bool {
-    leader.evidence - rival.evidence < DECISIVE
+    leader.two_ln_b - rival.two_ln_b < DECISIVE
         || rival.bic - leader.bic < DECISIVE
         || (cosine > ALIKE && rival.rank <= leader.rank)
 }

@@ -22,30 +22,30 @@ pub struct Score {
     pub ln_p: f64,
     /// BIC against the base model, negative if better: `n ln(1 - T/S) + k ln n`, shape counted.
     pub bic: f64,
-    /// Twice the logarithm of the marginal likelihood ratio against the base model, with the same prior
+    /// 2 ln B: twice the logarithm of the Bayes factor against the base model, with the same prior
     /// for every effect: shared among its subjects and their shapes.
-    pub evidence: f64,
+    pub two_ln_b: f64,
 }
 
 impl Score {
-    /// By how much the evidence is below twice the logarithm of the likelihood ratio against the base model: what the prior of
+    /// By how much 2 ln B is below twice the logarithm of the likelihood ratio against the base model: what the prior of
     /// the parameters, shapes and subjects costs.
     pub fn price(&self, base: &Projection) -> f64 {
-        base.ln_ratio(base.squares() - self.statistic) - self.evidence
+        base.ln_ratio(base.squares() - self.statistic) - self.two_ln_b
     }
 }
 
 /// Evidence that differs by less than this is equal but for rounding.
 pub const EQUAL: f64 = 1e-3;
 
-/// Sorts by falling evidence; equal evidence keeps its order, so that rounding does not decide what twins are called.
-pub fn by_evidence<T>(all: Vec<T>, evidence: impl Fn(&T) -> f64) -> Vec<T> {
+/// Sorts by falling 2 ln B; equal ones keep their order, so that rounding does not decide the name of what is confounded.
+pub fn by_two_ln_b<T>(all: Vec<T>, two_ln_b: impl Fn(&T) -> f64) -> Vec<T> {
     let mut all: Vec<(usize, T)> = all.into_iter().enumerate().collect();
-    all.sort_by(|a, b| evidence(&b.1).total_cmp(&evidence(&a.1)));
+    all.sort_by(|a, b| two_ln_b(&b.1).total_cmp(&two_ln_b(&a.1)));
     let mut rest = &mut all[..];
     while let Some((_, first)) = rest.first() {
-        let least = evidence(first) - EQUAL;
-        let is_alike = |(_, one): &&(usize, T)| evidence(one) > least;
+        let least = two_ln_b(first) - EQUAL;
+        let is_alike = |(_, one): &&(usize, T)| two_ln_b(one) > least;
         let alike = rest.iter().take_while(is_alike).count();
         let (alike, others) = rest.split_at_mut(alike.max(1));
         alike.sort_by_key(|(number, _)| *number);
@@ -54,12 +54,12 @@ pub fn by_evidence<T>(all: Vec<T>, evidence: impl Fn(&T) -> f64) -> Vec<T> {
     all.into_iter().map(|(_, one)| one).collect()
 }
 
-/// Scores of all scans by their evidence ([`by_evidence`]); equal ones in the order of the scans, and so of the
+/// Scores of all scans by their 2 ln B ([`by_two_ln_b`]); equal ones in the order of the scans, and so of the
 /// layers instrument, set-up, machine.
 pub fn rank(projection: &Projection, scans: &[Box<dyn Scan>]) -> Vec<Score> {
     let numbered = scans.par_iter().enumerate();
     let scored = numbered.filter_map(|(number, scan)| scored(projection, number, scan.as_ref()));
-    by_evidence(scored.collect(), |score| score.evidence)
+    by_two_ln_b(scored.collect(), |score| score.two_ln_b)
 }
 
 /// The score of one scan; `None` if the data do not see it.
@@ -83,14 +83,14 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
         // The price of the prior, in the variance left with this hypothesis in the model.
         let per_deviation = 1.0 / (variance * left).sqrt();
         let in_deviations: Vec<f64> = s.iter().map(|s| s * per_deviation).collect();
-        let price = gram.statistic(&in_deviations) - gram.evidence(&in_deviations);
+        let price = gram.statistic(&in_deviations) - gram.two_ln_b(&in_deviations);
         listed.push(OfShape {
             tried,
-            evidence: likelihood - price,
+            two_ln_b: likelihood - price,
         });
     });
     let hypothesis = scan.hypothesis();
-    let evidences: Vec<f64> = listed.iter().map(|one| one.evidence).collect();
+    let all_two_ln_b: Vec<f64> = listed.iter().map(|one| one.two_ln_b).collect();
     let left = ((squares - statistic) / squares).max(f64::MIN_POSITIVE);
     let n = projection.rows() as f64;
     let parameters = rank + usize::from(hypothesis.has_shape());
@@ -107,7 +107,7 @@ fn scored(projection: &Projection, number: usize, scan: &dyn Scan) -> Option<Sco
             ln_f_test(statistic, squares, rank, dof)
         }),
         bic: n * left.ln() + parameters as f64 * n.ln(),
-        evidence: mean_evidence(&evidences, shapes) - 2.0 * (hypothesis.subjects as f64).ln(),
+        two_ln_b: mean_two_ln_b(&all_two_ln_b, shapes) - 2.0 * (hypothesis.subjects as f64).ln(),
     })
 }
 
@@ -153,13 +153,13 @@ fn best_shapes(projection: &Projection, scan: &dyn Scan) -> [Option<Best>; 2] {
 /// A shape with twice the logarithm of its marginal likelihood.
 struct OfShape {
     tried: Tried,
-    evidence: f64,
+    two_ln_b: f64,
 }
 
 /// `2 ln` of the mean marginal likelihood over all `shapes`; it is zero for those not listed.
-pub fn mean_evidence(listed: &[f64], shapes: usize) -> f64 {
+pub fn mean_two_ln_b(listed: &[f64], shapes: usize) -> f64 {
     let top = listed.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let likelihoods = listed.iter().map(|evidence| (0.5 * (evidence - top)).exp());
+    let likelihoods = listed.iter().map(|two_ln_b| (0.5 * (two_ln_b - top)).exp());
     let total: f64 = likelihoods.sum();
     top + 2.0 * (total / shapes as f64).ln()
 }
@@ -169,12 +169,12 @@ pub fn mean_evidence(listed: &[f64], shapes: usize) -> f64 {
 /// An instant is equally likely in each second of a gap: a gap between two occupations has the weight of its length,
 /// and the instant is anywhere in it.
 fn deviation(listed: &[OfShape], best: f64) -> f64 {
-    let evidences = listed.iter().map(|one| one.evidence);
-    let top = evidences.fold(f64::NEG_INFINITY, f64::max);
+    let all_two_ln_b = listed.iter().map(|one| one.two_ln_b);
+    let top = all_two_ln_b.fold(f64::NEG_INFINITY, f64::max);
     let (mut squares, mut weights) = (0.0, 0.0);
     for one in listed {
         let Tried { shape, gap_s, .. } = one.tried;
-        let weight = (0.5 * (one.evidence - top)).exp() * gap_s.unwrap_or(1.0);
+        let weight = (0.5 * (one.two_ln_b - top)).exp() * gap_s.unwrap_or(1.0);
         let within = gap_s.map_or(0.0, |gap| gap * gap / 12.0);
         squares += weight * ((shape - best).powi(2) + within);
         weights += weight;
@@ -187,7 +187,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn twins_stay_in_their_order() {
+    fn equal_ones_stay_in_their_order() {
         let all = vec![
             ('a', 1.0),
             ('b', 7.0),
@@ -195,10 +195,10 @@ mod tests {
             ('d', -1.0),
             ('e', 7.1),
         ];
-        let sorted = by_evidence(all, |one| one.1);
+        let sorted = by_two_ln_b(all, |one| one.1);
         let names: String = sorted.iter().map(|one| one.0).collect();
         assert_eq!(names, "ebcad");
-        let none = by_evidence(vec![f64::NEG_INFINITY, 1.0, f64::NAN], |x| *x);
+        let none = by_two_ln_b(vec![f64::NEG_INFINITY, 1.0, f64::NAN], |x| *x);
         assert!(none[0].is_nan() && none[1..] == [1.0, f64::NEG_INFINITY]);
     }
 }

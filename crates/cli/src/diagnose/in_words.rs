@@ -75,9 +75,9 @@ fn as_told(parameter: &EstimatedParameter) -> EstimatedParameter {
 
 /// The ends of a free form: `from -12.0 ± 5.2 µm at -4 mm to +104.7 ± 5.2 µm at 0 mm`; none without one.
 pub(crate) fn curve(cause: &Cause) -> Option<String> {
-    let (unit, of_position) = match cause.mean_lost_motion.as_ref()?.unit {
-        "arcsec" => ("″", "°"),
-        _ => (" µm", " mm"),
+    let (unit, of_position) = match cause.has_angular_curve()? {
+        true => ("″", "°"),
+        false => (" µm", " mm"),
     };
     let places = told_places(cause.curve.iter().map(|point| point.at));
     let point = |point: &LostMotionAt| {

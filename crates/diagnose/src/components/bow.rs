@@ -3,7 +3,7 @@
 //! The straightness gives one estimate of the bow, the slope of the matching angle another. Under the rest of the
 //! curves alone their p-values are independent, and `-2 Σ ln p` is χ² with four degrees of freedom (Fisher). A bow is
 //! named only if each curve shows it by itself ([`EACH`]) and both estimates agree ([`AGREE`]); its value is their
-//! weighted mean. Its uncertainty is widened by the evidence of the other guideways of the machine
+//! weighted mean. Its uncertainty is widened by what the other guideways show of the machine
 //! ([`variance_factor`]), and by the Birge ratio.
 
 use nalgebra::DMatrix;
@@ -101,7 +101,7 @@ impl Pair {
                 ln_p,
                 statistic: score.statistic + score_angle.statistic,
                 bic: score.bic + score_angle.bic,
-                evidence: score.evidence + score_angle.evidence,
+                two_ln_b: score.two_ln_b + score_angle.two_ln_b,
                 ..score
             },
             p_value: 1.0,

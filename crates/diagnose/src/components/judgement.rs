@@ -31,13 +31,13 @@ struct Tail {
     statistic: f64,
     rank: usize,
     ln_determinant: f64,
-    evidence: f64,
+    two_ln_b: f64,
 }
 
-/// A tail with the coordinates from which its evidence follows.
+/// A tail with the coordinates from which its 2 ln B follows.
 type WithCoordinates = (Tail, Vec<(f64, f64)>);
 
-/// Logarithm of the weight, relative to the largest, below which a size of the rest is left out of the evidence: e⁻²⁰
+/// Logarithm of the weight, relative to the largest, below which a size of the rest is left out of 2 ln B: e⁻²⁰
 /// of the sum.
 const NEGLIGIBLE: f64 = -20.0;
 
@@ -57,14 +57,14 @@ impl Judgement {
             let weight = |tail: &Tail| tail.ln_weight + 0.5 * tail.statistic;
             let top = tails.iter().map(|(tail, _)| weight(tail));
             let top = top.fold(f64::NEG_INFINITY, f64::max);
-            let with_evidence = tails.into_iter().map(|(tail, coordinates)| Tail {
-                evidence: match weight(&tail) - top > NEGLIGIBLE {
-                    true => Gram::evidence_of(&coordinates),
+            let with_two_ln_b = tails.into_iter().map(|(tail, coordinates)| Tail {
+                two_ln_b: match weight(&tail) - top > NEGLIGIBLE {
+                    true => Gram::two_ln_b_of(&coordinates),
                     false => 0.0,
                 },
                 ..tail
             });
-            with_evidence.collect()
+            with_two_ln_b.collect()
         };
         Self {
             tails: tails.into_iter().map(weighed).collect(),
@@ -82,7 +82,7 @@ impl Judgement {
         let has_shape = candidate.hypothesis.has_shape();
         let rows = backgrounds.first()?.projection.rows() as f64;
         let mut best: Option<Score> = None;
-        let mut evidences = Vec::new();
+        let mut all_two_ln_b = Vec::new();
         for (&shape, tails) in candidate.shapes.iter().zip(&self.tails) {
             let Some(rank) = tails.first().map(|tail| tail.rank) else {
                 continue;
@@ -96,7 +96,7 @@ impl Judgement {
                 2.0 * (ln_sum(all) - base)
             };
             let statistic = gained(|tail| tail.statistic);
-            evidences.push(gained(|tail| tail.evidence));
+            all_two_ln_b.push(gained(|tail| tail.two_ln_b));
             let parameters = rank + usize::from(has_shape);
             let score = Score {
                 scan: number,
@@ -106,7 +106,7 @@ impl Judgement {
                 rank,
                 ln_p: ln_p.min(0.0),
                 bic: parameters as f64 * rows.ln() - statistic,
-                evidence: 0.0,
+                two_ln_b: 0.0,
             };
             if best.is_none_or(|best| score.ln_p < best.ln_p) {
                 best = Some(score);
@@ -114,8 +114,8 @@ impl Judgement {
         }
         let mut best = best?;
         // Prior: all subjects and shapes of an effect are equally likely.
-        let mean = ln_sum(evidences.iter().map(|e| 0.5 * e)) - (evidences.len() as f64).ln();
-        best.evidence = 2.0 * (mean - (candidate.hypothesis.subjects as f64).ln());
+        let mean = ln_sum(all_two_ln_b.iter().map(|e| 0.5 * e)) - (all_two_ln_b.len() as f64).ln();
+        best.two_ln_b = 2.0 * (mean - (candidate.hypothesis.subjects as f64).ln());
         Some(best)
     }
 }
@@ -198,7 +198,7 @@ fn of_sizes(
                 statistic: coordinates.iter().map(|(_, z)| z * z).sum(),
                 rank: gram.rank(),
                 ln_determinant: coordinates.iter().map(|(value, _)| value.ln()).sum(),
-                evidence: 0.0,
+                two_ln_b: 0.0,
             };
             all.push((shape, (tail, coordinates)));
         }

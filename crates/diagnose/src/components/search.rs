@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use trueaxis_effects::Scene;
 use trueaxis_kinematics::AxisKind;
-use trueaxis_selection::{Fit, Null, Scan, Score, by_evidence, cosine, is_rival};
+use trueaxis_selection::{Fit, Null, Scan, Score, by_two_ln_b, cosine, is_rival};
 
 use crate::Error;
 use crate::cause::{Cause, Rival};
@@ -226,7 +226,7 @@ impl SetSearch {
         }
     }
 
-    /// The candidate with the most evidence among those that stand out.
+    /// The candidate with the largest 2 ln B among those that stand out.
     fn best(&self, candidates: &[Candidate], judged: &Judged, family: &Family) -> Option<Found> {
         let numbered = candidates.iter().zip(&judged.judgements).enumerate();
         let scores = numbered.filter_map(|(k, (candidate, judgement))| {
@@ -238,8 +238,8 @@ impl SetSearch {
             family.p_value(effect, score.ln_p)
         };
         let standing_out = scores.iter().filter(|score| p_value(score) <= LEVEL);
-        let ranked = by_evidence(standing_out.copied().collect(), |score: &Score| {
-            score.evidence
+        let ranked = by_two_ln_b(standing_out.copied().collect(), |score: &Score| {
+            score.two_ln_b
         });
         let leader = *ranked.first()?;
         let candidate = &candidates[leader.scan];

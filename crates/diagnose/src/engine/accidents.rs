@@ -60,7 +60,7 @@ pub(crate) fn most(part: f64, count: usize) -> usize {
     most.max(1)
 }
 
-/// Line numbers of a table in words; of many only the first are named: `lines 3, 8 and others`.
+/// The lines of a table in words, at most six by their numbers: `lines 3, 8 and others`.
 pub(crate) fn first_lines(lines: impl ExactSizeIterator<Item = usize>) -> String {
     let more = if lines.len() > NAMED {
         " and others"

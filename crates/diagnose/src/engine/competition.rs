@@ -1,14 +1,14 @@
 //! Competition of causes and disturbances.
 //!
 //! Two models are built. One finds causes first, then disturbances beside them, then causes again with the disturbances in the
-//! covariance; the other begins with disturbances. These and disturbances alone are compared in the same noise by their whole evidence. A
+//! covariance; the other begins with disturbances. These and disturbances alone are compared in the same noise by their total 2 ln B. A
 //! form that can be anything is less credible than one in the catalogue, and every further name costs: a cause [`DECISIVE`], odds of 20
 //! to 1, and a disturbance twice that. So a drift is a drift even if a disturbance might explain it, and three stacked causes do not beat
-//! one disturbance. Where causes leave nothing to disturbances, only a single disturbance with more evidence can replace them.
+//! one disturbance. Where causes leave nothing to disturbances, only a single disturbance with a larger 2 ln B can replace them.
 //!
 //! A cause in time that leaves a tenth of what it explains to a disturbance of the same thing does not describe the
 //! motion of that thing, and is not named ([`is_of`]). Nor is one whose statistic is less than a twentieth of the
-//! evidence for an axis that changes with time: no basis of low degree quite describes warming up.
+//! 2 ln B for an axis that changes with time: no basis of low degree quite describes warming up.
 
 use trueaxis_effects::Layer;
 use trueaxis_selection::{DECISIVE, Hypothesis, Null, Projection, rank};
@@ -20,8 +20,8 @@ use crate::engine::wandering::{
 };
 use crate::engine::wanders::{Beside, disturbances, least, of_wandering};
 use crate::engine::{
-    Culprit, Culprits, Found, SHAPE_ERROR, Search, Suspect, Wanders, find_causes, scan, scans,
-    settle,
+    Culprit, Culprits, Found, SHAPE_ERROR, Search, Suspect, Wanders, find_causes, revise, scan,
+    scans,
 };
 
 /// Causes, and disturbances beside them.
@@ -45,7 +45,7 @@ pub(crate) struct Candidates<'a> {
     pub(crate) null: &'a Null,
 }
 
-/// The model with the most evidence. `search` has the causes found without disturbances; if there are none and all `is_quiet`, none are
+/// The model with the largest 2 ln B. `search` has the causes found without disturbances; if there are none and all `is_quiet`, none are
 /// sought.
 pub(crate) fn compete<D: Wanders>(
     base: &D,
@@ -105,7 +105,7 @@ pub(crate) fn compete<D: Wanders>(
     Ok(model)
 }
 
-/// Whether causes that explain everything have more evidence than the first disturbance. That several together look like
+/// Whether causes that explain everything have a larger 2 ln B than the first disturbance. That several together look like
 /// a form in the catalogue down to the noise would be a coincidence and is not tried.
 fn beats<D: Wanders>(
     base: &D,
@@ -118,7 +118,7 @@ fn beats<D: Wanders>(
     Ok(first.is_none_or(|of_first| of_first <= of_causes))
 }
 
-/// Adds to causes the disturbances that may have been there instead: those with more evidence.
+/// Adds to causes the disturbances that may have been there instead: those with a larger 2 ln B.
 pub(crate) fn add_rival_disturbances<D: Wanders>(competed: &mut Competed<D>) -> Result<(), Error> {
     let Competed {
         base,
@@ -133,7 +133,7 @@ pub(crate) fn add_rival_disturbances<D: Wanders>(competed: &mut Competed<D>) -> 
         let mut suspects = D::suspects(&search.adjusted).to_vec();
         suspects.remove(k);
         let without = base.adjust_near(&search.adjusted, suspects)?;
-        let instead = instead_of_cause(&beside, &without, &others, found.evidence);
+        let instead = instead_of_cause(&beside, &without, &others, found.two_ln_b);
         found.wandering.extend(instead);
     }
     Ok(())
@@ -154,8 +154,8 @@ fn described<D: Wanders>(
                 let wanderer = judged.wanderer();
                 let is_rest = wanderer.is_of_changing_axis()
                     && found.suspect.hypothesis.is_of_time()
-                    && found.statistic < SHAPE_ERROR * judged.evidence;
-                let goes_on = judged.evidence > PART * found.statistic
+                    && found.statistic < SHAPE_ERROR * judged.two_ln_b;
+                let goes_on = judged.two_ln_b > PART * found.statistic
                     && is_of(&Culprits::of(base, found), wanderer);
                 is_rest || goes_on
             })
@@ -165,12 +165,12 @@ fn described<D: Wanders>(
         };
         let mut suspects = D::suspects(&model.search.adjusted).to_vec();
         suspects.remove(undescribed);
-        model = settled(base, suspects, candidates)?;
+        model = revised(base, suspects, candidates)?;
     }
 }
 
-/// Causes settled beside disturbances that are found beside them.
-pub(crate) fn settled<D: Wanders>(
+/// Causes revised beside disturbances that are found beside them.
+pub(crate) fn revised<D: Wanders>(
     base: &D,
     suspects: Vec<Suspect>,
     candidates: &Candidates<'_>,
@@ -180,7 +180,7 @@ pub(crate) fn settled<D: Wanders>(
         return without_causes(base, wandering);
     }
     let here = base.beside(disturbances(&wandering));
-    let (found, adjusted) = settle(&here, suspects, candidates.all, candidates.null)?;
+    let (found, adjusted) = revise(&here, suspects, candidates.all, candidates.null)?;
     if found.is_empty() {
         return only_wandering(base);
     }
@@ -195,7 +195,7 @@ pub(crate) fn settled<D: Wanders>(
     })
 }
 
-/// The model with more evidence, in the smaller of the two noises; the first if both have as much.
+/// The model with a larger 2 ln B, in the smaller of the two noises; the first if both have as much.
 fn better<D: Wanders>(
     base: &D,
     first: Competed<D>,
@@ -203,9 +203,9 @@ fn better<D: Wanders>(
 ) -> Result<Competed<D>, Error> {
     let noises = [&first, &second].map(|m| D::noise(&m.search.adjusted));
     let plain = base.adjust(Vec::new(), least::<D>(noises.into_iter()))?;
-    let evidences =
+    let all_two_ln_b =
         [&first, &second].map(|model| charged(base, &plain, &model.search.found, &model.wandering));
-    Ok(match evidences[1] > evidences[0] {
+    Ok(match all_two_ln_b[1] > all_two_ln_b[0] {
         true => second,
         false => first,
     })
@@ -219,7 +219,7 @@ fn charged<D: Wanders>(
     causes: &[Found],
     wandering: &[JudgedDisturbance],
 ) -> f64 {
-    let (evidence, projection) = of_wandering(base, plain, wandering);
+    let (two_ln_b, projection) = of_wandering(base, plain, wandering);
     let adjusted = D::with(plain, projection);
     let columns =
         |found: &Found| base.columns(&adjusted)(&found.suspect.hypothesis, found.suspect.shape);
@@ -243,11 +243,11 @@ fn charged<D: Wanders>(
             .map(|score| score.price(D::projection(&others)))
     };
     let prices = (0..causes.len()).filter_map(price_of);
-    evidence + together([D::projection(&adjusted), &with(&|_| true)], prices)
+    two_ln_b + together([D::projection(&adjusted), &with(&|_| true)], prices)
         - price(causes.len(), wandering)
 }
 
-/// Twice the logarithm of the marginal likelihood ratio of all causes, by what the model leaves without and with them and the
+/// 2 ln B of all causes, by what the model leaves without and with them and the
 /// price of the prior of each beside the others. One after the other, a cause that may have any shape would first explain what
 /// others do, at another shape, and these explain it again.
 pub(crate) fn together(
@@ -282,7 +282,7 @@ pub(crate) fn only_wandering<D: Wanders>(base: &D) -> Result<Competed<D>, Error>
     without_causes(base, sought(&Beside::new(base, &[]))?)
 }
 
-/// Causes found beside disturbances, disturbances beside these causes, and both settled.
+/// Causes found beside disturbances, disturbances beside these causes, and both revised.
 fn alternated<D: Wanders>(
     base: &D,
     first: Vec<JudgedDisturbance>,
@@ -300,7 +300,7 @@ fn alternated<D: Wanders>(
         });
     }
     let (count, left) = (search.found.len(), search.left);
-    let mut model = settled(base, D::suspects(&search.adjusted).to_vec(), candidates)?;
+    let mut model = revised(base, D::suspects(&search.adjusted).to_vec(), candidates)?;
     if model.search.found.len() == count {
         model.search.left = left;
     }

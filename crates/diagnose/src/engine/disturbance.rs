@@ -124,7 +124,7 @@ pub(crate) enum Pauses {
 }
 
 /// All three for an axis that mostly tilts, one that is also out of square, and one that hardly tilts. It may tilt at home or not:
-/// rotations that it does not make, which all readings would show, cost much evidence.
+/// rotations that it does not make, which all readings would show, cost much of 2 ln B.
 const OF_GEOMETRY: [[f64; 3]; 6] = [
     [0.5, 0.0, 0.0],
     [2.0, 0.0, 0.0],
@@ -363,7 +363,7 @@ pub(crate) fn targets_and_axes(
     all
 }
 
-/// A size is settled if it changes by less than this share of itself: the rest of the data hardly depends on it.
+/// A size has converged if it changes by less than this share of itself: the rest of the data hardly depends on it.
 const RESTS: f64 = 0.1;
 
 impl Disturbance {

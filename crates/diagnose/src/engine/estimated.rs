@@ -33,7 +33,7 @@ pub(crate) fn cause<D: Measured>(
         delta_bic: *bic,
     });
     let disturbances = found.wandering.iter();
-    let disturbances = disturbances.map(|&(wanderer, evidence)| Rival::of(of, wanderer, evidence));
+    let disturbances = disturbances.map(|&(wanderer, two_ln_b)| Rival::of(of, wanderer, two_ln_b));
     Cause {
         p_value: found.p_value,
         delta_bic: found.bic,

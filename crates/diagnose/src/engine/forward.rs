@@ -1,7 +1,7 @@
 //! The search for causes: forward selection, the same for all kinds of data.
 //!
-//! 1. The hypothesis with the most evidence, among those that noise alone would not match, joins the causes.
-//! 2. All causes settle ([`settle`]): each is judged with the others in the model; a better one replaces it, its shape
+//! 1. The hypothesis with the largest 2 ln B, among those that noise alone would not match, joins the causes.
+//! 2. All causes are revised ([`revise`]): each is judged with the others in the model; a better one replaces it, its shape
 //!    is sought again, and one that is not needed leaves. The first cause is often a compromise between two.
 //! 3. The search ends when nothing joins, or when what joined is no cause of its own: the same problem under another
 //!    name, no more than the shape of the others, or there only to cancel another.
@@ -40,7 +40,7 @@ pub(crate) trait Forward {
     fn causes(model: &Self::Model) -> &[Self::Cause];
 
     /// What explains most of what a model leaves, if noise does not: a further cause, or what takes the place of `own`,
-    /// which stays if it has as much evidence.
+    /// which stays if it has as large a 2 ln B.
     fn best(&self, model: &Self::Model, own: Option<&Self::Cause>) -> Option<Self::Found>;
 
     fn cause(found: &Self::Found) -> &Self::Cause;
@@ -119,9 +119,9 @@ pub(crate) fn select<F: Forward>(
             None if known.is_empty() => search.hidden(),
             None => break,
         };
-        // 2. All settle.
+        // 2. All are revised.
         let count = known.len();
-        let (found, adjusted) = settle(search, causes)?;
+        let (found, adjusted) = revise(search, causes)?;
         // 3. Whether there is one more, and of its own.
         if found.len() <= count {
             break;
@@ -161,7 +161,7 @@ fn opposed<F: Forward>(search: &F, model: &F::Model) -> bool {
 /// Most exchanges of causes for better ones.
 const MOST_EXCHANGES: usize = 6;
 
-/// Relative accuracy to which shapes settle.
+/// Relative accuracy to which shapes converge.
 pub(crate) const RESTS: f64 = 1e-3;
 
 /// Whether a shape is another one than before, beyond its standard deviation.
@@ -170,7 +170,7 @@ pub(crate) fn is_another(before: f64, (shape, u): (f64, f64)) -> bool {
 }
 
 /// Judges each cause with the others in the model until nothing changes.
-pub(crate) fn settle<F: Forward>(
+pub(crate) fn revise<F: Forward>(
     search: &F,
     mut causes: Vec<F::Cause>,
 ) -> Result<(Vec<F::Found>, F::Model), Error> {

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use trueaxis_campaign::Campaign;
 use trueaxis_effects::{Effect, Scene, Shape, Subject, catalogue};
 use trueaxis_leastsquares::median;
-use trueaxis_selection::{FixedScan, Hypothesis, Projection, Scan, StepScan, VisitTimes};
+use trueaxis_selection::{FixedScan, Hypothesis, InstantScan, Projection, Scan, VisitTimes};
 
 use crate::engine::Measured;
 
@@ -111,7 +111,7 @@ fn scan_at<D: Measured>(
                 }
                 columns
             };
-            let scan = StepScan::new(hypothesis, projection, visits, &columns)?;
+            let scan = InstantScan::new(hypothesis, projection, visits, &columns)?;
             return Some(Box::new(scan));
         }
         Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => {

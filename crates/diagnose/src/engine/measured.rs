@@ -151,11 +151,11 @@ pub(crate) struct Found {
     /// Drop of the BIC by this cause.
     pub(crate) bic: f64,
     /// Twice the logarithm of its marginal likelihood ratio.
-    pub(crate) evidence: f64,
+    pub(crate) two_ln_b: f64,
     /// Drop of the sum of squares by this cause.
     pub(crate) statistic: f64,
     /// Other effects that explain as much, with their BIC.
     pub(crate) rivals: Vec<(Suspect, f64)>,
-    /// Disturbances that may have been there instead, with their evidence.
+    /// Disturbances that may have been there instead, with their 2 ln B.
     pub(crate) wandering: Vec<(Wanderer, f64)>,
 }

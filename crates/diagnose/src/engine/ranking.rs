@@ -1,4 +1,4 @@
-//! Hypotheses compared with what a model leaves, the one with the most evidence first.
+//! Hypotheses compared with what a model leaves, the one with the largest 2 ln B first.
 
 use trueaxis_effects::Scene;
 use trueaxis_selection::{EQUAL, Fit, Hypothesis, Null, Projection, Scan, Score, cosine, rank};
@@ -60,7 +60,7 @@ impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
         (Suspect::new(*self.hypothesis(score), shape, &fit), fit)
     }
 
-    /// The first that noise does not explain at a family-wise level; `own` instead of another with the same evidence.
+    /// The first that noise does not explain at a family-wise level; `own` instead of another with the same 2 ln B.
     pub(crate) fn leader(
         &self,
         null: &Null,
@@ -72,7 +72,7 @@ impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
         let as_good = |s: &&Score| {
             own.is_some_and(|own| self.hypothesis(s).is(own))
                 && is_significant(s)
-                && leader.evidence - s.evidence < EQUAL
+                && leader.two_ln_b - s.two_ln_b < EQUAL
         };
         self.scores.iter().find(as_good).or(Some(leader))
     }

@@ -42,7 +42,7 @@ pub(crate) fn find_causes<D: Measured>(
 }
 
 /// Judges each cause against the candidates with the others in the model until nothing changes.
-pub(crate) fn settle<D: Measured>(
+pub(crate) fn revise<D: Measured>(
     data: &D,
     suspects: Vec<Suspect>,
     candidates: &[Hypothesis],
@@ -54,7 +54,7 @@ pub(crate) fn settle<D: Measured>(
         null,
         first: None,
     };
-    let (mut found, model) = forward::settle(&search, suspects)?;
+    let (mut found, model) = forward::revise(&search, suspects)?;
     with_parameters::<D>(&mut found, &model);
     Ok((found, model))
 }
@@ -104,7 +104,7 @@ impl<D: Measured> Forward for Refitted<'_, D> {
             _ => self.all,
         };
         let ranking = Ranking::new(self.data, model, all);
-        // Equal evidence is no reason for an exchange.
+        // An equal 2 ln B is no reason for an exchange.
         let name = own.map(|own| &own.hypothesis);
         let leader = ranking.leader(self.null, D::CAUSE_LEVEL, name)?;
         let (mut found, mut fit) = found(&ranking, leader, self.null);
@@ -155,7 +155,7 @@ impl<D: Measured> Forward for Refitted<'_, D> {
                     && culprits[i].overlap(&culprits[j])
             })
         });
-        let is_uncertain = |f: &Found| f.p_value > FURTHER_LEVEL || f.evidence < 0.0;
+        let is_uncertain = |f: &Found| f.p_value > FURTHER_LEVEL || f.two_ln_b < 0.0;
         is_stacked || found.iter().any(is_uncertain)
     }
 
@@ -180,7 +180,7 @@ fn found<S: AsRef<[Box<dyn Scan>]>>(
         suspect,
         p_value: null.family_wise(score.ln_p),
         bic: score.bic,
-        evidence: score.evidence,
+        two_ln_b: score.two_ln_b,
         statistic: score.statistic,
         rivals: Vec::new(),
         wandering: Vec::new(),

@@ -1,10 +1,10 @@
 //! How much of what a model leaves a smooth process of unknown form explains.
 //!
-//! Its standard deviation maximises the restricted likelihood; its evidence is flat over the correlation lengths. Its p-value is that of
+//! Its standard deviation maximises the restricted likelihood; its 2 ln B is flat over the correlation lengths. Its p-value is that of
 //! the restricted likelihood ratio at the border `w = 0`, `½ P(χ²₁ > LR)`, which is conservative (Crainiceanu and Ruppert 2004).
 
 use trueaxis_leastsquares::{chi_squared_upper_tail, dot};
-use trueaxis_selection::{Projection, gram_matrix, mean_evidence, restricted_likelihood};
+use trueaxis_selection::{Projection, gram_matrix, mean_two_ln_b, restricted_likelihood};
 
 /// Family-wise level of all disturbances of a set of data.
 pub(crate) const SMOOTH_LEVEL: f64 = 0.002;
@@ -29,7 +29,7 @@ pub(crate) struct Smooth {
     /// w, in standard deviations of the noise times the unit of the columns.
     pub(crate) width: f64,
     /// Twice the logarithm of its marginal likelihood ratio.
-    pub(crate) evidence: f64,
+    pub(crate) two_ln_b: f64,
     /// P-value as if it were the only process tested.
     pub(crate) p_value: f64,
 }
@@ -71,11 +71,11 @@ impl Smooth {
         if variance <= 0.0 {
             return None;
         }
-        let evidences: Vec<f64> = fits.iter().map(|fit| fit.2).collect();
+        let all_two_ln_b: Vec<f64> = fits.iter().map(|fit| fit.2).collect();
         Some(Self {
             spectrum,
             width: variance.sqrt(),
-            evidence: mean_evidence(&evidences, fits.len()),
+            two_ln_b: mean_two_ln_b(&all_two_ln_b, fits.len()),
             p_value: 0.5 * chi_squared_upper_tail(ratio, 1.0).max(f64::MIN_POSITIVE),
         })
     }

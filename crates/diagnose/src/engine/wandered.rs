@@ -128,10 +128,10 @@ pub(crate) fn wandered<D: Wanders>(
 
 impl Rival {
     /// A disturbance.
-    pub(crate) fn of(level: Level, wanderer: Wanderer, evidence: f64) -> Self {
+    pub(crate) fn of(level: Level, wanderer: Wanderer, two_ln_b: f64) -> Self {
         Self::Disturbance {
             whose: whose(level, wanderer, None),
-            evidence,
+            two_ln_b,
         }
     }
 }

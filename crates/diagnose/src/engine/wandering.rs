@@ -1,6 +1,6 @@
 //! The search for disturbances beside causes, the same for all kinds of data.
 //!
-//! 1. The disturbance with the most evidence joins, if noise alone would not look as much like any.
+//! 1. The disturbance with the largest 2 ln B joins, if noise alone would not look as much like any.
 //! 2. Each is judged beside the others; one that is not significant there leaves, and does not come back.
 //! 3. The search ends when nothing joins, or when there are as many as can be separated.
 //!
@@ -8,7 +8,7 @@
 //! ([`Smooth`](crate::engine::Smooth)); its p-value is family-wise for all disturbances (Bonferroni).
 
 use rayon::prelude::*;
-use trueaxis_selection::{DECISIVE, by_evidence};
+use trueaxis_selection::{DECISIVE, by_two_ln_b};
 
 use crate::Error;
 use crate::engine::SMOOTH_LEVEL;
@@ -18,7 +18,7 @@ use crate::engine::disturbance::{Disturbance, Wanderer};
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct JudgedDisturbance {
     pub(crate) disturbance: Disturbance,
-    pub(crate) evidence: f64,
+    pub(crate) two_ln_b: f64,
     pub(crate) p_value: f64,
     /// Other wanderers that explain as much.
     pub(crate) rivals: Vec<Wanderer>,
@@ -52,7 +52,7 @@ pub(crate) trait Wandering: Sync {
     fn judge(&self, model: &Self::Model, wanderer: Wanderer) -> Option<JudgedDisturbance>;
 
     /// What has the same columns under another name.
-    fn twin(&self, wanderer: Wanderer) -> Option<Wanderer>;
+    fn confounded(&self, wanderer: Wanderer) -> Option<Wanderer>;
 
     /// What a disturbance would hide in a model.
     fn hidden(&self, _model: &Self::Model, _own: &JudgedDisturbance) -> Option<Wanderer> {
@@ -76,7 +76,7 @@ pub(crate) fn sought_from<W: Wandering>(
     let mut next = leader(data, model, judged);
     while let Some(joining) = next {
         own.push(joining);
-        let (model, gone) = settle(data, &mut own)?;
+        let (model, gone) = revise(data, &mut own)?;
         dropped.extend(gone);
         if own.len() == W::MOST {
             break;
@@ -91,7 +91,7 @@ pub(crate) fn sought_from<W: Wandering>(
 
 /// Judges each disturbance beside the others; those that are not significant there leave. Returns the model with those
 /// that stay, and those that left.
-fn settle<W: Wandering>(
+fn revise<W: Wandering>(
     data: &W,
     own: &mut Vec<JudgedDisturbance>,
 ) -> Result<(W::Model, Vec<Wanderer>), Error> {
@@ -119,7 +119,7 @@ fn settle<W: Wandering>(
     Ok((model, gone))
 }
 
-/// Each disturbance as if it were the only one, the one with the most evidence first.
+/// Each disturbance as if it were the only one, the one with the largest 2 ln B first.
 pub(crate) fn one_by_one<W: Wandering>(
     data: &W,
 ) -> Result<(W::Model, Vec<JudgedDisturbance>), Error> {
@@ -128,7 +128,7 @@ pub(crate) fn one_by_one<W: Wandering>(
     Ok((model, judged))
 }
 
-/// Disturbances in what a model leaves, the one with the most evidence first.
+/// Disturbances in what a model leaves, the one with the largest 2 ln B first.
 pub(crate) fn judge_all<W: Wandering>(
     data: &W,
     model: &W::Model,
@@ -136,10 +136,10 @@ pub(crate) fn judge_all<W: Wandering>(
 ) -> Vec<JudgedDisturbance> {
     let judged = wanderers.par_iter();
     let judged = judged.filter_map(|&wanderer| data.judge(model, wanderer));
-    by_evidence(judged.collect(), |one: &JudgedDisturbance| one.evidence)
+    by_two_ln_b(judged.collect(), |one: &JudgedDisturbance| one.two_ln_b)
 }
 
-/// The first of those judged in what a model leaves, with its twin, the others that explain as much, and what it hides
+/// The first of those judged in what a model leaves, with what is confounded with it, the others that explain as much, and what it hides
 /// as rivals; `None` if noise explains it.
 fn leader<W: Wandering>(
     data: &W,
@@ -150,7 +150,7 @@ fn leader<W: Wandering>(
     if first.p_value >= SMOOTH_LEVEL {
         return None;
     }
-    let is_rival = |other: &&JudgedDisturbance| first.evidence - other.evidence < DECISIVE;
+    let is_rival = |other: &&JudgedDisturbance| first.two_ln_b - other.two_ln_b < DECISIVE;
     let rivals = others.iter().filter(is_rival);
     let rivals = rivals.flat_map(|other| names(data, other.wanderer()));
     let own = names(data, first.wanderer());
@@ -166,21 +166,21 @@ fn leader<W: Wandering>(
     })
 }
 
-/// What explains more than a cause, of this evidence, in a model without it, with the evidence. A rival may have
+/// What explains more than a cause, of this 2 ln B, in a model without it, with the 2 ln B. A rival may have
 /// [`DECISIVE`] less than a cause, but a disturbance costs as much more.
 pub(crate) fn instead_of_cause<W: Wandering>(
     data: &W,
     without: &W::Model,
     wanderers: &[Wanderer],
-    evidence: f64,
+    two_ln_b: f64,
 ) -> Vec<(Wanderer, f64)> {
     let judged = judge_all(data, without, wanderers).into_iter();
-    let more = judged.filter(|own| own.evidence > evidence);
-    let names = more.flat_map(|own| names(data, own.wanderer()).map(move |w| (w, own.evidence)));
+    let more = judged.filter(|own| own.two_ln_b > two_ln_b);
+    let names = more.flat_map(|own| names(data, own.wanderer()).map(move |w| (w, own.two_ln_b)));
     names.collect()
 }
 
 /// A wanderer, and what has the same columns under another name.
 fn names<W: Wandering>(data: &W, wanderer: Wanderer) -> impl Iterator<Item = Wanderer> {
-    std::iter::once(wanderer).chain(data.twin(wanderer))
+    std::iter::once(wanderer).chain(data.confounded(wanderer))
 }

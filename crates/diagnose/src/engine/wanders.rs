@@ -21,7 +21,7 @@ pub(crate) trait Wanders: Measured + Clone + Send {
     fn wanderers(&self) -> Vec<(Who, With)>;
 
     /// Another wanderer with the same columns, if there is one.
-    fn twin(&self, wanderer: Wanderer) -> Option<Wanderer>;
+    fn confounded(&self, wanderer: Wanderer) -> Option<Wanderer>;
 
     /// Time and place of each reading.
     fn here(&self) -> Vec<Here>;
@@ -118,14 +118,14 @@ impl<D: Wanders> Wandering for Beside<'_, D> {
                 form: forms[smooth.spectrum],
                 width: smooth.width,
             },
-            evidence: smooth.evidence - 2.0 * (wanderer.of_kind(scene) as f64).ln(),
+            two_ln_b: smooth.two_ln_b - 2.0 * (wanderer.of_kind(scene) as f64).ln(),
             p_value: (tests * smooth.p_value).min(1.0),
             rivals: Vec::new(),
         })
     }
 
-    fn twin(&self, wanderer: Wanderer) -> Option<Wanderer> {
-        self.base.twin(wanderer)
+    fn confounded(&self, wanderer: Wanderer) -> Option<Wanderer> {
+        self.base.confounded(wanderer)
     }
 }
 

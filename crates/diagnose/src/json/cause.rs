@@ -83,7 +83,7 @@ struct RivalFile {
     #[serde(skip_serializing_if = "Option::is_none")]
     varies_with: Option<&'static [&'static str]>,
     subject: GivenSubject,
-    /// Of a disturbance less its evidence, which is on the same scale.
+    /// Of a disturbance less its 2 ln B, which is on the same scale.
     delta_bic: f64,
     parameters: Vec<GivenParameter>,
 }
@@ -102,12 +102,12 @@ impl RivalFile {
                     parameters: given.parameters,
                 }
             }
-            Rival::Disturbance { whose, evidence } => Self {
+            Rival::Disturbance { whose, two_ln_b } => Self {
                 effect: ID,
                 layer: Some(whose.layer.name()),
                 varies_with: Some(whose.varies_with),
                 subject: GivenSubject::new(&whose.subject, scene),
-                delta_bic: round(-evidence, 2),
+                delta_bic: round(-two_ln_b, 2),
                 parameters: Vec::new(),
             },
         }
@@ -191,7 +191,7 @@ impl<'a> CauseFile<'a> {
 
 /// The curve of a lost motion, if it has one.
 fn lost_motion(cause: &Cause) -> Option<Vec<LostMotionFile>> {
-    let is_angle = cause.mean_lost_motion.as_ref()?.unit == "arcsec";
+    let is_angle = cause.has_angular_curve()?;
     let point = |own: &LostMotionAt| {
         let told = |is_it: bool, value: f64| is_it.then(|| [round(value, 4)]);
         LostMotionFile {

@@ -23,7 +23,7 @@ pub(crate) struct Adjusted {
     pub(crate) suspects: Vec<Suspect>,
 }
 
-/// Parameters of causes are settled when they move by less than this share of their uncertainty.
+/// Parameters of causes have converged when they move by less than this share of their uncertainty.
 const RESTS: f64 = 1e-3;
 
 /// Relative difference of residuals and their projection below which the residuals are already projected.
@@ -58,7 +58,7 @@ impl Adjusted {
         }
     }
 
-    /// Moves the parameters by a fit of what is left; returns whether they are settled.
+    /// Moves the parameters by a fit of what is left; returns whether they have converged.
     pub(super) fn update(&mut self, fit: &Fit) -> bool {
         let all = fit.estimates.len();
         let mut first = 0;

@@ -35,7 +35,7 @@ impl Wanders for Base<'_> {
         all
     }
 
-    fn twin(&self, wanderer: Wanderer) -> Option<Wanderer> {
+    fn confounded(&self, wanderer: Wanderer) -> Option<Wanderer> {
         let has_bed = self.scene.has_bed_targets();
         (wanderer.who == Who::Machine && !has_bed)
             .then_some(Wanderer::new(Who::Tripods, wanderer.with))

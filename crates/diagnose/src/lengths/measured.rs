@@ -157,7 +157,7 @@ impl Measured for Base<'_> {
     ) -> bool {
         match leader.subject.column.is_some() == other.subject.column.is_some() {
             true => is_rival(of_leader, of_other, cosine),
-            false => of_leader.evidence - of_other.evidence < DECISIVE,
+            false => of_leader.two_ln_b - of_other.two_ln_b < DECISIVE,
         }
     }
 }

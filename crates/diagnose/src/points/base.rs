@@ -43,7 +43,7 @@ pub(crate) struct Base<'a> {
     pub(crate) disturbances: Vec<Disturbance>,
 }
 
-/// A shape is settled when no coordinate moves by more than this, mm: what is left is of second order.
+/// A shape has converged when no coordinate moves by more than this, mm: what is left is of second order.
 const RESTS_MM: f64 = 1e-6;
 
 const MOST_FITS: usize = 100;

@@ -5,7 +5,7 @@ use trueaxis_selection::{Fit, Hypothesis, Null};
 use crate::Error;
 use crate::engine::{
     Candidates, Competed, Found, HeldOut, Measured, OMNIBUS_LEVEL, Omnibus, Search, Suspect,
-    compete, find_causes, is_imitation, scans, settled, still_left,
+    compete, find_causes, is_imitation, revised, scans, still_left,
 };
 use crate::points::base::Base;
 use crate::points::doubted::robust_sigma;
@@ -55,7 +55,7 @@ impl<'a> Believed<'a> {
                 return Ok(believed);
             }
             // A disturbance may have been taken for a cause; the others are judged again without that cause.
-            model = settled(base, suspects(believed.found()), &candidates)?;
+            model = revised(base, suspects(believed.found()), &candidates)?;
         }
     }
 

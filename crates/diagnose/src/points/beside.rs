@@ -25,7 +25,7 @@ impl Wanders for Base<'_> {
     }
 
     /// A displacement of the frame without rotation is an opposite displacement of the machine.
-    fn twin(&self, wanderer: Wanderer) -> Option<Wanderer> {
+    fn confounded(&self, wanderer: Wanderer) -> Option<Wanderer> {
         let has_bed = self.readings.all.iter().any(|r| r.pose.is_none());
         (wanderer.who == Who::Machine && !has_bed)
             .then_some(Wanderer::new(Who::Frame, wanderer.with))

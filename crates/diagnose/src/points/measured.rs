@@ -124,8 +124,8 @@ impl Measured for Base<'_> {
         (other, of_other): (&Hypothesis, &Score),
         cosine: f64,
     ) -> bool {
-        let are_twins = leader.effect.moves_machine() && other.effect.moves_station();
-        are_twins && cosine > ALIKE || is_rival(of_leader, of_other, cosine)
+        let are_confounded = leader.effect.moves_machine() && other.effect.moves_station();
+        are_confounded && cosine > ALIKE || is_rival(of_leader, of_other, cosine)
     }
 }
 

@@ -38,8 +38,8 @@ pub(crate) fn alike_scales(entries: &[Entry], all: &[Series<'_>]) -> Option<Stri
         .map(|((size, _), w)| size * w)
         .sum();
     Some(format!(
-        "the scales of {} axes are off by the same {:+.1} ppm: first see whether what measured them is (its wavelength, the air, the \
-         temperature of the material that was entered)",
+        "the scales of {} axes are off by the same {:+.1} ppm: first check the instrument that measured them (its wavelength, the air, \
+         the temperature of the material that was entered)",
         axes.len(),
         sum / weights().sum::<f64>()
     ))

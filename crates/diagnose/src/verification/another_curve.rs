@@ -44,9 +44,9 @@ pub(crate) fn another_curve(
     let explained = || Fit::new(&straight, &curve.columns).explained;
     (is_tested && p_value < problem.level).then(|| {
         let rms_um = rms_of_readings_um(problem, &explained());
-        let note = "after the jump the curve along the axis is another one, which no shift of the machine or of the instrument makes: see \
-               whether an encoder, its reading head or the optics were exchanged, aligned or set anew meanwhile, and diagnose the readings \
-               before and after it apart";
+        let note = "after the jump the axis has another curve, which no shift of the machine or of the instrument explains: see whether an \
+               encoder, its reading head or the optics were exchanged, realigned or reset meanwhile, and diagnose the readings before \
+               and after it separately";
         let varies_with = vec!["time", "position"];
         Unexplained::new(Level::Verification, rms_um, varies_with, note.to_owned())
     })

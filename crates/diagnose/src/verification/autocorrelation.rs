@@ -10,13 +10,13 @@
 //!
 //! gives it ([`Whitening`]). What is alike over three stops or more is a wandering course, so ρ is at most `e^-⅓`. A
 //! series has such noise if ρ is significant, or possible where something was found, and if with it causes and
-//! disturbances together have more evidence: real disturbances and repeating effects are explained better as such.
+//! disturbances together have a larger 2 ln B: real disturbances and repeating effects are explained better as such.
 
 use trueaxis_selection::{Projection, lengths_beside_earlier};
 
 use crate::engine::golden_section;
 use crate::verification::base::{cells, indicators};
-use crate::verification::model::{evidence, is_left};
+use crate::verification::model::{is_left, two_ln_b};
 use crate::verification::noise_floor::pass_columns;
 use crate::verification::series::Series;
 use crate::verification::whitening::Whitening;
@@ -28,7 +28,7 @@ const MOST: f64 = 0.716_531_310_573_789_3;
 const SIGNIFICANT: f64 = 2.706;
 
 /// The same at a level of 24 %, where a series is not clean: correlated noise is then one of its explanations, and
-/// the evidence decides which is the best.
+/// 2 ln B decides which is the best.
 const POSSIBLE: f64 = 0.5;
 
 /// Degrees of freedom below which ρ is too uncertain (`1/√n`).
@@ -74,7 +74,7 @@ pub(crate) fn alike_neighbours<'a>(
     let (base, white) = (&found.plain.listed.base, &found.plain.whitening);
     let total = |series: &Series<'a>| {
         let base = Restricted::new(base, white, series.plain.whitening.correlation);
-        evidence(&series.plain, &series.model) - base.deviance
+        two_ln_b(&series.plain, &series.model) - base.deviance
     };
     (total(&last) > total(found)).then_some(last)
 }

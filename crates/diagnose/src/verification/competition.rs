@@ -1,7 +1,7 @@
 //! Causes and disturbances against each other, as with lengths.
 //!
 //! One model finds causes first, then disturbances beside them, then causes again with these in the covariance;
-//! another begins with disturbances; a third has nothing else. The one with the most evidence is taken: each further
+//! another begins with disturbances; a third has nothing else. The one with the largest 2 ln B is taken: each further
 //! name costs [`DECISIVE`], and what can take any course twice that.
 
 use trueaxis_selection::{DECISIVE, Score};
@@ -13,7 +13,7 @@ use crate::verification::described::described;
 use crate::verification::held_out::{gain, held_out};
 use crate::verification::instead::simple_instead;
 use crate::verification::model::{
-    Model, evidence, has, have_same, is_coupling, is_left, of_causes, only,
+    Model, has, have_same, is_coupling, is_left, of_causes, only, two_ln_b,
 };
 use crate::verification::problem::Problem;
 use crate::verification::wandering::wandering;
@@ -21,7 +21,7 @@ use crate::verification::wandering::wandering;
 /// Most searches until one holds.
 const MOST_TRIES: usize = 3;
 
-/// The model with the most evidence, if its disturbances help on unused readings; otherwise that of causes alone.
+/// The model with the largest 2 ln B, if its disturbances help on unused readings; otherwise that of causes alone.
 pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
     let of_causes = of_causes(plain, causes(plain));
     let is_complete = !is_left(&of_causes);
@@ -67,7 +67,7 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
     let helping = models.filter(|model| helps(plain, model));
     let models = without_rests(std::iter::once(of_causes).chain(helping).collect());
     let scored = models.into_iter();
-    let scored = scored.map(|model| (evidence(plain, &model), model));
+    let scored = scored.map(|model| (two_ln_b(plain, &model), model));
     let mut scored: Vec<(f64, Model<'a>)> = scored.collect();
     // Stable: the first of those that are as good.
     scored.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -80,7 +80,7 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
             let are_others = !have_same(&model.causes, &best.causes);
             model.wandering.is_empty() && are_others && !model.causes.is_empty() && !is_left(model)
         };
-        let near = scored.take_while(|(evidence, _)| most - evidence < DECISIVE);
+        let near = scored.take_while(|(two_ln_b, _)| most - two_ln_b < DECISIVE);
         let as_good = near.filter(|(_, model)| are_as_good(model));
         let as_good = as_good.map(|(_, model)| model.causes);
         best.as_good = as_good.chain(simple_instead(plain, &best, most)).collect();
@@ -192,7 +192,7 @@ fn beside<'a>(plain: &Problem<'a>, mut causes: Vec<Chosen>) -> Option<Model<'a>>
         // When a cause began and how long it took changes beside disturbances, and the true course never quite follows
         // the process.
         let level = plain.level.min(FURTHER_LEVEL);
-        causes = Among::by_name(&model.problem.listed, level).settled(causes);
+        causes = Among::by_name(&model.problem.listed, level).revised(causes);
         without_imitations(&model.problem, &mut causes);
         if causes.len() == found {
             model.causes = causes;
@@ -246,7 +246,7 @@ fn causes(problem: &Problem<'_>) -> Vec<Chosen> {
                 further: level,
                 ..Among::by_name(listed, level)
             };
-            chosen = search.settled(chosen);
+            chosen = search.revised(chosen);
         }
         if !chosen.is_empty() || first.is_empty() {
             return chosen;

@@ -69,8 +69,8 @@ pub(crate) fn copied(readings: &[VerificationReading]) -> Option<String> {
     }
     let line = |row: usize| readings[row].line;
     Some(format!(
-        "the readings in lines {} to {} are those in lines {} to {}, one by one: pasted twice? Each counts as a measurement of its own, \
-         and makes all seem more certain than it is; take those out that were not measured",
+        "the readings in lines {} to {} are those in lines {} to {}, one by one: were they pasted twice? Each counts as a measurement of \
+         its own, which makes the result look more certain than it is; remove those that were not measured",
         line(first + apart),
         line(first + apart + rows - 1),
         line(first),

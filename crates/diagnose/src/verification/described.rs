@@ -57,7 +57,7 @@ pub(crate) fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>) -> Model<
             };
             model.wandering.iter().any(|own| match own.wanderer() {
                 wanderer if is_wave && wanderer.with == With::Position => is_rest(own),
-                wanderer if is_course_of(wanderer, hypothesis) => own.evidence > PART * explained(),
+                wanderer if is_course_of(wanderer, hypothesis) => own.two_ln_b > PART * explained(),
                 _ => false,
             })
         };
@@ -71,6 +71,6 @@ pub(crate) fn described<'a>(plain: &Problem<'a>, mut model: Model<'a>) -> Model<
             further: plain.level,
             ..Among::by_name(&model.problem.listed, plain.level)
         };
-        model.causes = search.settled(others);
+        model.causes = search.revised(others);
     }
 }

@@ -3,13 +3,13 @@
 use trueaxis_selection::{DECISIVE, Score};
 
 use crate::engine::linear::{Chosen, without};
-use crate::verification::model::{Model, evidence, has, is_coupling, is_left, of_causes};
+use crate::verification::model::{Model, has, is_coupling, is_left, of_causes, two_ln_b};
 use crate::verification::problem::Problem;
 
-/// Most effects that are tried, those with the most evidence.
+/// Most effects that are tried, those with the largest 2 ln B.
 const MOST: usize = 4;
 
-/// Effects of one parameter, or pairs of them, that explain everything with nearly as much evidence in the place of a
+/// Effects of one parameter, or pairs of them, that explain everything with nearly as large a 2 ln B in the place of a
 /// coupling, significant or not; none that holds a smaller one. Without them squareness and scale that changed since the
 /// calibration are now and then a clear coupling (`tests/diagnose/coupling.rs`).
 pub(crate) fn simple_instead(plain: &Problem<'_>, best: &Model<'_>, most: f64) -> Vec<Vec<Chosen>> {
@@ -32,7 +32,7 @@ pub(crate) fn simple_instead(plain: &Problem<'_>, best: &Model<'_>, most: f64) -
         let has_more = as_good
             .iter()
             .any(|few| few.iter().all(|one| has(&model.causes, one)));
-        if !has_more && most - evidence(plain, &model) < DECISIVE && !is_left(&model) {
+        if !has_more && most - two_ln_b(plain, &model) < DECISIVE && !is_left(&model) {
             as_good.push(model.causes);
         }
     }

@@ -13,7 +13,7 @@ pub(crate) struct Model<'a> {
     pub(crate) problem: Problem<'a>,
     pub(crate) wandering: Vec<JudgedDisturbance>,
     pub(crate) causes: Vec<Chosen>,
-    /// Other causes that explain everything with nearly as much evidence.
+    /// Other causes that explain everything with nearly as large a 2 ln B.
     pub(crate) as_good: Vec<Vec<Chosen>>,
 }
 
@@ -53,7 +53,7 @@ pub(crate) fn is_left(model: &Model<'_>) -> bool {
 }
 
 /// Twice the logarithm of the marginal likelihood ratio against the model without anything, less the cost of names.
-pub(crate) fn evidence(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
+pub(crate) fn two_ln_b(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
     let processes = model.wandering.iter();
     let processes = processes.map(|own| (own.columns(plain), own.tried(plain)));
     let (of_wandering, base) = beside_all(&plain.listed.base, processes);

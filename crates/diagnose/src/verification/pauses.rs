@@ -14,7 +14,7 @@ use crate::engine::disturbance::{Wanderer, Who, With};
 use crate::engine::linear::{Chosen, Listed, without};
 use crate::verification::base::{count, cycles, indicators};
 use crate::verification::problem::Problem;
-use crate::verification::wanderer::{INSTRUMENT, twin};
+use crate::verification::wanderer::{INSTRUMENT, confounded};
 
 /// Consequences of unknown pauses for lost motion beside a cause in time.
 pub(crate) struct ByPauses {
@@ -30,7 +30,7 @@ pub(crate) fn by_pauses(
     problem: &Problem<'_>,
     (causes, wandering): (&[Chosen], &[JudgedDisturbance]),
     (k, fit): (usize, &Fit),
-    (evidence, variance): (f64, f64),
+    (two_ln_b, variance): (f64, f64),
 ) -> Option<ByPauses> {
     let (comparison, listed) = (problem.comparison, &problem.listed);
     let own = listed.hypothesis(&causes[k]);
@@ -83,8 +83,8 @@ pub(crate) fn by_pauses(
     let vanishing = [0, 1].map(|i| i >= straight || vanishes(i));
     let rivals = match vanishing {
         [true, true] => {
-            let names = [Some(INSTRUMENT), twin(comparison, INSTRUMENT)];
-            let rival = |name| Rival::of(Level::Verification, name, evidence);
+            let names = [Some(INSTRUMENT), confounded(comparison, INSTRUMENT)];
+            let rival = |name| Rival::of(Level::Verification, name, two_ln_b);
             names.into_iter().flatten().map(rival).collect()
         }
         [false, true] if own.effect == POSITION_DEPENDENT_BACKLASH => {

@@ -53,7 +53,7 @@ pub(crate) fn causes(
             problem,
             (chosen, wandering),
             (k, &sized.fit),
-            (judged.score.evidence, variance),
+            (judged.score.two_ln_b, variance),
         );
         if let Some(by_pauses) = &by_pauses {
             by_pauses.add_to(&mut sized.fit.covariance, variance);
@@ -75,7 +75,7 @@ pub(crate) fn causes(
             explained_rms_um: rms_of_readings_um(problem, &fitted),
             heldout_gain: gain.map(|gain| 1.0 - gain.ratio.ratio),
             rivals: [
-                rival_disturbances(problem, wandering, chosen, k, judged.score.evidence),
+                rival_disturbances(problem, wandering, chosen, k, judged.score.two_ln_b),
                 problem.listed.rivals(&judged),
                 by_pauses.map_or_else(Vec::new, |own| own.rivals),
             ]

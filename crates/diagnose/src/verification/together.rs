@@ -3,7 +3,7 @@
 //! Each series was judged by itself. Over all of them together ([`Stack`])
 //!
 //! 1. every cause of the machine that a series named is tried with one size for all, and is replaced by one that has
-//!    more evidence there: a second line at another feed separates lost motion from an offset of the time stamps;
+//!    a larger 2 ln B there: a second line at another feed separates lost motion from an offset of the time stamps;
 //! 2. what no series shows alone, but all together do, joins; what has become superfluous leaves ([`search`]);
 //! 3. a cause whose sizes differ between the series by more than chance (F test of a size for each series) and by
 //!    more than a tenth stays with the series that named it, each with its own. Where they scatter less, this is
@@ -55,7 +55,7 @@ pub(crate) fn together(
             further: level * all.len() as f64,
             ..Among::all(&stack.listed, level * all.len() as f64)
         };
-        let found = all_named.settled(named.clone());
+        let found = all_named.revised(named.clone());
         let search = Among {
             most: found.len() + MOST_CAUSES,
             ..Among::all(&stack.listed, level)

@@ -48,8 +48,8 @@ pub(crate) fn turned(comparison: &Comparison<'_>) -> Option<(Vec<(f64, Direction
     };
     let places: Vec<String> = ends.iter().map(place).collect();
     let said = format!(
-        "at {} = {} both sides of approach read the same, and everywhere else they differ: the axis turned round there, so that \
-         both readings came from one side, and are taken so; let it go beyond its ends and come back (ISO 230-2)",
+        "at {} = {} both sides of approach read the same, while everywhere else they differ: the axis turned round there, so both \
+         readings came from one side and are treated so; let it travel beyond its ends and come back (ISO 230-2)",
         content.name(),
         places.join(" and ")
     );

@@ -5,7 +5,7 @@
 //! clock do not show pauses between passes, in which drifts go on: each pass, or each cycle, may then also have an
 //! offset. A course in time may also swing with one period, as an air conditioning does.
 //!
-//! What moves, and with what, is in a table of `docs/diagnosis.md` (What wanders in readings).
+//! What moves, and with what, is in a table of `docs/diagnosis-readings.md` (What wanders).
 
 use std::f64::consts::TAU;
 
@@ -80,14 +80,16 @@ pub(crate) fn wanderers(comparison: &Comparison<'_>, calibrated: bool) -> Vec<Wa
 }
 
 /// What has the same columns under another name.
-pub(crate) fn twin(comparison: &Comparison<'_>, wanderer: Wanderer) -> Option<Wanderer> {
+pub(crate) fn confounded(comparison: &Comparison<'_>, wanderer: Wanderer) -> Option<Wanderer> {
     let with = match wanderer.with {
         Sides => SidesInTime,
         SidesInTime => Sides,
         _ => return (wanderer == INSTRUMENT && comparison.line().is_some()).then_some(MACHINE),
     };
-    let twin = Wanderer { with, ..wanderer };
-    comparison.is_position_after_position().then_some(twin)
+    let confounded = Wanderer { with, ..wanderer };
+    comparison
+        .is_position_after_position()
+        .then_some(confounded)
 }
 
 /// Whether a cause names the course of a wanderer.

@@ -10,7 +10,9 @@ use crate::extremes::extremes;
 use crate::verification::lost_motion::beyond_drives;
 use crate::verification::problem::Problem;
 use crate::verification::wandered::{coefficients, curve};
-use crate::verification::wanderer::{Course, INSTRUMENT, MACHINE, is_course_of, twin, wanderers};
+use crate::verification::wanderer::{
+    Course, INSTRUMENT, MACHINE, confounded, is_course_of, wanderers,
+};
 use crate::{Error, Rival};
 
 /// Readings with causes, in which disturbances are sought.
@@ -75,14 +77,14 @@ impl<'a> Wandering for Beside<'_, 'a> {
         let smooth = Tried::new(problem, &model, course, &smooth, 1);
         let all: Vec<Tried> = smooth.into_iter().chain(swings).collect();
         let best = all.iter().max_by(|a, b| {
-            (a.smooth.evidence - a.price).total_cmp(&(b.smooth.evidence - b.price))
+            (a.smooth.two_ln_b - a.price).total_cmp(&(b.smooth.two_ln_b - b.price))
         })?;
         // What the data do not show is as likely with it as without.
-        let most = best.smooth.evidence.max(0.0);
+        let most = best.smooth.two_ln_b.max(0.0);
         let unseen = 1.0 - all.iter().map(Tried::weight).sum::<f64>();
         let seen = all
             .iter()
-            .map(|own| own.weight() * (0.5 * (own.smooth.evidence - most)).exp());
+            .map(|own| own.weight() * (0.5 * (own.smooth.two_ln_b - most)).exp());
         let marginal = seen.sum::<f64>() + unseen.max(0.0) * (-0.5 * most).exp();
         let own = JudgedDisturbance {
             disturbance: Disturbance {
@@ -90,7 +92,7 @@ impl<'a> Wandering for Beside<'_, 'a> {
                 form: best.form,
                 width: best.smooth.width,
             },
-            evidence: most + 2.0 * marginal.ln(),
+            two_ln_b: most + 2.0 * marginal.ln(),
             // Of all that are tried.
             p_value: (self.all.len() as f64 * best.smooth.p_value * best.tried as f64).min(1.0),
             rivals: Vec::new(),
@@ -98,8 +100,8 @@ impl<'a> Wandering for Beside<'_, 'a> {
         is_plausible(problem, &model, &own).then_some(own)
     }
 
-    fn twin(&self, wanderer: Wanderer) -> Option<Wanderer> {
-        twin(self.plain.comparison, wanderer)
+    fn confounded(&self, wanderer: Wanderer) -> Option<Wanderer> {
+        confounded(self.plain.comparison, wanderer)
     }
 
     fn hidden(&self, problem: &Problem<'a>, own: &JudgedDisturbance) -> Option<Wanderer> {
@@ -127,13 +129,13 @@ fn hides_lost_motion(problem: &Problem<'_>, causes: &[Chosen], own: &JudgedDistu
         && (!beside.seen[0] || alone.covariance[0] < (1.0 - ALIKE * ALIKE) * beside.covariance[0])
 }
 
-/// Disturbances that may replace cause `k` of several: those with more evidence, as with lengths.
+/// Disturbances that may replace cause `k` of several: those with a larger 2 ln B, as with lengths.
 pub(crate) fn rival_disturbances(
     problem: &Problem<'_>,
     known: &[JudgedDisturbance],
     causes: &[Chosen],
     k: usize,
-    evidence: f64,
+    two_ln_b: f64,
 ) -> Vec<Rival> {
     let hypothesis = problem.listed.hypothesis(&causes[k]);
     let beside = Beside {
@@ -144,11 +146,11 @@ pub(crate) fn rival_disturbances(
     let is_new = |w: &&Wanderer| known.iter().all(|own| own.wanderer() != **w);
     let of_same = beside.all.iter().filter(|w| is_course_of(**w, hypothesis));
     let of_same: Vec<Wanderer> = of_same.filter(is_new).copied().collect();
-    let mut all = instead_of_cause(&beside, problem, &of_same, evidence);
+    let mut all = instead_of_cause(&beside, problem, &of_same, two_ln_b);
     let is_new = |other: &Wanderer| all.iter().all(|(name, _)| name != other);
     let other = inseparable(problem, hypothesis).filter(is_new);
-    all.extend(other.map(|other| (other, evidence)));
-    let rival = |(name, evidence)| Rival::of(Level::Verification, name, evidence);
+    all.extend(other.map(|other| (other, two_ln_b)));
+    let rival = |(name, two_ln_b)| Rival::of(Level::Verification, name, two_ln_b);
     all.into_iter().map(rival).collect()
 }
 

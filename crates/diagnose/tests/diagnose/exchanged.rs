@@ -34,7 +34,7 @@ fn is_said(found: &Diagnosis) -> bool {
     let left = found.unexplained.as_ref();
     left.is_some_and(|left| {
         left.note
-            .contains("the curve along the axis is another one")
+            .contains("after the jump the axis has another curve")
     })
 }
 

@@ -1,7 +1,7 @@
 //! Diagnoses through the public verb, of data made by code that shares nothing with it but the format.
 //!
 //! The fast tests take one case of each effect; the studies (`--ignored`) take as many as the claims in
-//! docs/diagnosis.md need. Strengths are given as λ, the length of an effect's trace in standard
+//! docs/diagnosis-tests.md need. Strengths are given as λ, the length of an effect's trace in standard
 //! deviations of an arrival after what the base model absorbs has been taken out.
 
 mod aliases;

@@ -498,7 +498,7 @@ fn two_positions_name_no_bending() {
 
 /// What stands on the bed tells an instrument that moves from a machine that does.
 #[test]
-fn targets_on_the_bed_tell_twins_apart() {
+fn targets_on_the_bed_tell_confounded_effects_apart() {
     let plan = Plan {
         bed: true,
         ..Plan::THREE_AXES
@@ -507,16 +507,16 @@ fn targets_on_the_bed_tell_twins_apart() {
         ("machine_shift", "station_jump"),
         ("machine_drift", "station_drift"),
     ];
-    for (id, twin) in pairs.into_iter().flat_map(|(a, b)| [(a, b), (b, a)]) {
+    for (id, confounded) in pairs.into_iter().flat_map(|(a, b)| [(a, b), (b, a)]) {
         let seed = 5;
         let hidden = Hidden::draw(id, 2.0, &plan, &mut generator(seed, 3));
         let found = diagnose(&made(&plan, &[hidden], seed), &without_curves()).unwrap();
         let [cause] = &found.causes[..] else {
             panic!("{id}: {}", counts::summary(&found));
         };
-        let is_twin = |e: &ResolvedEffect| e.effect.id == twin;
+        let is_confounded = |e: &ResolvedEffect| e.effect.id == confounded;
         let mut all = cause.rival_effects().chain([&cause.effect]);
-        assert!(!all.any(is_twin), "{id}: {cause:?}");
+        assert!(!all.any(is_confounded), "{id}: {cause:?}");
         assert_eq!(cause.effect.effect.id, id, "{}", counts::summary(&found));
     }
 }

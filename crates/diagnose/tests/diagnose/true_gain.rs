@@ -188,7 +188,7 @@ fn the_interval_holds_the_true_gain() {
     assert_eq!(found.false_claims, 0);
 }
 
-/// The figures in docs/diagnosis.md: of 137 cases right intervals lose more than 13 with a probability of
+/// The figures in docs/diagnosis-tests.md: of 137 cases right intervals lose more than 13 with a probability of
 /// 9e-3. Where there is no gain, one is claimed in 2.5 of 100: more than two of ten with a probability of 2e-3.
 #[test]
 #[ignore = "study: 180 cases of five campaigns"]

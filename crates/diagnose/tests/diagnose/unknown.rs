@@ -218,7 +218,7 @@ fn what_wanders_has_its_curve() {
 #[test]
 fn lost_motion_is_named_beside_what_wanders() {
     let mut wandering = 0;
-    // Without a clock: at one feed a time offset would be its twin.
+    // Without a clock: at one feed a time offset would be its rival.
     for seed in 0..6 {
         let mut generator = generator(seed, 10);
         let places = places(5, &[0.0], &[2.0]);

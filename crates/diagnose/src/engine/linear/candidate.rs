@@ -126,7 +126,7 @@ impl Candidate<'_> {
     }
 
     /// A shape that explains most of what a model leaves, near another one.
-    pub(super) fn settled(&self, model: &Projection, shape: f64) -> f64 {
+    pub(super) fn converged(&self, model: &Projection, shape: f64) -> f64 {
         self.refined(model, shape, REFINED).unwrap_or(shape)
     }
 

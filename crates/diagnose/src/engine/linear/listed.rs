@@ -38,7 +38,7 @@ pub(crate) struct Listed<'a> {
     known: Arc<Mutex<Known>>,
 }
 
-/// Comparisons beside causes (candidate and shape of each), the latest last: searches, judgements and evidence ask for
+/// Comparisons beside causes (candidate and shape of each), the latest last: searches, judgements and 2 ln B ask for
 /// the same ones again.
 type Known = VecDeque<(Vec<(usize, u64)>, Arc<Beside>)>;
 
@@ -46,7 +46,7 @@ type Known = VecDeque<(Vec<(usize, u64)>, Arc<Beside>)>;
 pub(crate) struct Beside {
     /// The model.
     pub(crate) model: Projection,
-    /// The physically possible ones, the one with the most evidence first.
+    /// The physically possible ones, the one with the largest 2 ln B first.
     pub(crate) scores: Vec<Score>,
     /// Those of an impossible size.
     pub(crate) impossible: Vec<Score>,
@@ -178,7 +178,7 @@ impl<'a> Listed<'a> {
     /// A scored hypothesis as a cause, with its shape as accurate as the data show it.
     pub(crate) fn chosen(&self, beside: &Beside, score: &Score) -> Chosen {
         let candidate = self.candidate(beside, score);
-        let shape = candidate.settled(&beside.model, score.shape);
+        let shape = candidate.converged(&beside.model, score.shape);
         let u_instant = candidate.u_instant(&beside.model, shape);
         Chosen {
             candidate: beside.numbers[score.scan],

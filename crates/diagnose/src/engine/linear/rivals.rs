@@ -65,7 +65,7 @@ impl Listed<'_> {
         let effect = |score: &Score| self.candidate(beside, score).hypothesis.effect;
         let is_late = effect(own).is_delay();
         let is_it = move |score: &&Score| {
-            effect(score).is_lost_motion() && (is_late || own.evidence - score.evidence < DECISIVE)
+            effect(score).is_lost_motion() && (is_late || own.two_ln_b - score.two_ln_b < DECISIVE)
         };
         beside.impossible.iter().filter(is_it).map(|score| {
             let columns = self.candidate(beside, score).columns(score.shape);

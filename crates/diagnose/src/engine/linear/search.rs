@@ -40,7 +40,7 @@ pub(crate) struct Among<'s, 'a> {
     /// Whether the causes are to leave nothing: each may then be small against the others, for it is more than their
     /// shape, and a drift and a jump may be both there.
     pub(crate) is_whole: bool,
-    /// Whether causes that settle may give way to better ones.
+    /// Whether causes that are revised may give way to better ones.
     pub(crate) exchanges: bool,
 }
 
@@ -72,8 +72,8 @@ impl<'s, 'a> Among<'s, 'a> {
     }
 
     /// The causes that are significant beside the others, with their shapes sought again.
-    pub(crate) fn settled(&self, causes: Vec<Chosen>) -> Vec<Chosen> {
-        forward::settle(self, causes).map_or_else(|_| Vec::new(), |(_, settled)| settled)
+    pub(crate) fn revised(&self, causes: Vec<Chosen>) -> Vec<Chosen> {
+        forward::revise(self, causes).map_or_else(|_| Vec::new(), |(_, revised)| revised)
     }
 
     /// The best explanation beside causes at a level: at most one in time, with a second time constant, or a drift and
@@ -157,7 +157,7 @@ impl Forward for Among<'_, '_> {
         !is_same || is_another(before.shape, (now.shape, now.u_shape))
     }
 
-    /// Such as a drift and the lost motion at a single position: the one with the most evidence, and what is found
+    /// Such as a drift and the lost motion at a single position: the one with the largest 2 ln B, and what is found
     /// beside it.
     fn hidden(&self) -> Vec<Chosen> {
         let beside = self.listed.beside(&[]);
@@ -179,7 +179,7 @@ impl Forward for Among<'_, '_> {
             |k: &usize| self.listed.candidates[causes[*k].candidate].is_continuous();
         let continuous: Vec<usize> = (0..causes.len()).filter(is_continuous).collect();
         if continuous.len() > 1 {
-            settle_together(self.listed, causes, &continuous);
+            refine_together(self.listed, causes, &continuous);
         }
     }
 
@@ -197,7 +197,7 @@ impl Forward for Among<'_, '_> {
 /// Coverage factor of the uncertainty of a time constant, which is resolved if it is longer.
 const COVERAGE: f64 = 2.0;
 
-/// The one with the most evidence; but one whose time constant the data do not resolve is replaced by an equally
+/// The one with the largest 2 ln B; but one whose time constant the data do not resolve is replaced by an equally
 /// likely one without, such as a drift at a constant rate.
 fn resolved<'s>(listed: &Listed, beside: &Beside, scores: &'s [Score]) -> Option<&'s Score> {
     let leader = scores.first()?;
@@ -208,7 +208,7 @@ fn resolved<'s>(listed: &Listed, beside: &Beside, scores: &'s [Score]) -> Option
     };
     let as_likely = scores
         .iter()
-        .take_while(|s| leader.evidence - s.evidence < DECISIVE);
+        .take_while(|s| leader.two_ln_b - s.two_ln_b < DECISIVE);
     let mut as_likely = as_likely.filter(|score| is_resolved(score));
     as_likely.next().or(Some(leader))
 }
@@ -229,7 +229,7 @@ fn simplest<'s>(
             && contains(model, &with, &scans[other.scan].columns(other.shape))
             && ln_more(model, other, leader) > ln_level
     });
-    // In the order of their evidence.
+    // In the order of their 2 ln B.
     smaller.next().or(Some(leader))
 }
 
@@ -276,22 +276,22 @@ pub(crate) fn contains(model: &Projection, with: &Projection, columns: &[Vec<f64
     columns.iter().all(is_contained)
 }
 
-/// Most rounds in which several shapes settle.
+/// Most rounds in which several shapes converge.
 const MOST_ROUNDS: usize = 12;
 
 /// How many times the change of a round goes on at most, and how exactly that is sought.
 const FARTHEST: f64 = 20.0;
 const EXACT: f64 = 0.02;
 
-/// Settles several shapes: one at a time creeps where they hide each other, as two time constants do, and goes on along
+/// Refines several shapes: one at a time creeps where they hide each other, as two time constants do, and goes on along
 /// the change of each round (Powell 1964).
-fn settle_together(listed: &Listed, causes: &mut [Chosen], continuous: &[usize]) {
+fn refine_together(listed: &Listed, causes: &mut [Chosen], continuous: &[usize]) {
     for _ in 0..MOST_ROUNDS {
         let before = causes.to_vec();
         for &k in continuous {
             let model = listed.with(&without(causes, k));
             let candidate = &listed.candidates[causes[k].candidate];
-            causes[k].shape = candidate.settled(&model, causes[k].shape);
+            causes[k].shape = candidate.converged(&model, causes[k].shape);
         }
         let after = causes.to_vec();
         let farther = |times: f64| {

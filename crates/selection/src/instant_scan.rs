@@ -28,7 +28,7 @@ const MOST_CUTS: usize = 12;
 pub(crate) type ColumnsAfter<'a> = dyn Fn(&dyn Fn(usize) -> bool) -> Vec<Vec<f64>> + 'a;
 
 /// All instants of one hypothesis.
-pub struct StepScan {
+pub struct InstantScan {
     hypothesis: Hypothesis,
     /// For each cut the whitened columns without as many first rows of each visit, row after row; cut 0 is from the
     /// beginning of time.
@@ -48,7 +48,7 @@ struct Instant {
     gram: Gram,
 }
 
-impl StepScan {
+impl InstantScan {
     /// `None` if the data see no instant.
     pub fn new(
         hypothesis: Hypothesis,
@@ -194,7 +194,7 @@ impl<'a> Concerned<'a> {
     }
 }
 
-impl StepScan {
+impl InstantScan {
     /// The instants between visits. Those within a visit are a few readings away from a tested one, which shows the
     /// effect nearly as well; testing them all would take longer in proportion to their number.
     fn tested(&self) -> impl Iterator<Item = &Instant> {
@@ -202,7 +202,7 @@ impl StepScan {
     }
 }
 
-impl Scan for StepScan {
+impl Scan for InstantScan {
     fn hypothesis(&self) -> &Hypothesis {
         &self.hypothesis
     }
