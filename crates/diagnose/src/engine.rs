@@ -81,7 +81,7 @@ mod wandered;
 mod wandering;
 mod wanders;
 
-pub(crate) use accidents::{ACCIDENT_LEVEL, LEAST_OTHERS, Tested, first_lines, most};
+pub(crate) use accidents::{ACCIDENT_LEVEL, ACCIDENTS, LEAST_OTHERS, Tested, first_lines, most};
 pub(crate) use between::golden_section;
 pub(crate) use competition::{
     Candidates, Competed, PART, add_rival_disturbances, compete, only_wandering, price, revised,

@@ -49,6 +49,9 @@ impl Tested {
 /// Most lines of a table that are named.
 const NAMED: usize = 6;
 
+/// Share of the readings that may be wrong by accident; of readings, two in a row count as one.
+pub(crate) const ACCIDENTS: f64 = 0.03;
+
 /// How many of `count` readings may be wrong by accident: the share `part`, and at least one.
 pub(crate) fn most(part: f64, count: usize) -> usize {
     #[expect(

@@ -7,9 +7,8 @@ use trueaxis_effects::Level;
 use trueaxis_leastsquares::median;
 
 use crate::Unexplained;
-use crate::engine::{first_lines, most};
+use crate::engine::{ACCIDENTS, first_lines, most};
 use crate::points::base::Base;
-use crate::points::gross_errors::MOST;
 use crate::points::model::Model;
 
 /// Median length of three coordinates of variance one.
@@ -52,7 +51,7 @@ pub(crate) fn doubted(
     let far: Vec<usize> = largest.filter(|point| lengths[*point] > limit).collect();
     let too_many = match are_many {
         true => 0,
-        false => most(MOST, all.len()),
+        false => most(ACCIDENTS, all.len()),
     };
     if far.len() <= too_many {
         return None;

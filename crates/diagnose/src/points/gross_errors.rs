@@ -12,13 +12,10 @@ use trueaxis_leastsquares::dot;
 use trueaxis_selection::Gram;
 
 use crate::Rejected;
-use crate::engine::{ACCIDENT_LEVEL, LEAST_OTHERS, Tested, most};
+use crate::engine::{ACCIDENT_LEVEL, ACCIDENTS, LEAST_OTHERS, Tested, most};
 use crate::points::base::Base;
 use crate::points::model::{Model, left_of};
 use crate::points::readings::Reading;
-
-/// Share of the points that may be wrong, and at least one.
-pub(crate) const MOST: f64 = 0.03;
 
 /// Points that stand out by less than this share of the largest wait: that one may be what they contradict.
 const AT_ONCE: f64 = 0.5;
@@ -176,7 +173,7 @@ pub(crate) fn are_accidents(gross: &[Gross], base: &Base<'_>, points: &Points) -
         steps.dedup();
         steps.len()
     };
-    if steps(gross) > most(MOST, points.readings.len()) {
+    if steps(gross) > most(ACCIDENTS, points.readings.len()) {
         return false;
     }
     // In measuring order, target by target.

@@ -8,11 +8,11 @@ use trueaxis_effects::Level;
 use trueaxis_selection::Projection;
 
 use crate::Unexplained;
-use crate::engine::{first_lines, most};
+use crate::engine::{ACCIDENTS, first_lines, most};
 use crate::extremes::extremes;
 use crate::verification::base::{cells, count, less_location, passes, sizes};
 use crate::verification::comparison::Comparison;
-use crate::verification::gross_errors::{MOST, MOST_IN_A_ROW};
+use crate::verification::gross_errors::MOST_IN_A_ROW;
 use crate::verification::noise_floor::SHORT_PASS;
 use crate::verification::problem::Problem;
 
@@ -89,7 +89,7 @@ pub(crate) fn doubted(problem: &Problem<'_>, after: &Projection) -> Option<Unexp
     let comparison = problem.comparison;
     let readings = problem.readings();
     let far = far_off(comparison, &problem.um(&after.residuals));
-    if mistakes(comparison, &far) <= most(MOST, readings) as f64 {
+    if mistakes(comparison, &far) <= most(ACCIDENTS, readings) as f64 {
         return None;
     }
     let sizes = || far.iter().map(|(_, off)| off.abs());

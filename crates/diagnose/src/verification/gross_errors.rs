@@ -13,7 +13,7 @@
 use trueaxis_campaign::Verification;
 use trueaxis_selection::Projection;
 
-use crate::engine::{ACCIDENT_LEVEL, LEAST_OTHERS, most};
+use crate::engine::{ACCIDENT_LEVEL, ACCIDENTS, LEAST_OTHERS, most};
 use crate::verification::base::{cells, passes, sizes};
 use crate::verification::comparison::Comparison;
 use crate::verification::doubted::{far_off, mistakes};
@@ -24,9 +24,6 @@ use crate::verification::tested::{Slip, Slips};
 /// p-value of the arrival that stands out most, above which no others are sought behind it: of `k` slips of one size
 /// the first has `F > ν/k`, which is 16 where they are 3 % of readings that were repeated once.
 const HIDDEN: f64 = 1e-3;
-
-/// Most slips as a share of the arrivals, two consecutive ones counted as one, and at least one.
-pub(crate) const MOST: f64 = 0.03;
 
 /// Most consecutive slips: more are structure.
 pub(crate) const MOST_IN_A_ROW: usize = 2;
@@ -59,7 +56,7 @@ pub(crate) fn gross_errors(
         return Vec::new();
     };
     let count = comparison.arrivals.len();
-    let most = most(MOST, count);
+    let most = most(ACCIDENTS, count);
     let screen = Screen {
         model,
         comparison,

@@ -9,12 +9,12 @@
 use trueaxis_campaign::Verification;
 use trueaxis_selection::Gram;
 
-use crate::engine::{ACCIDENT_LEVEL, LEAST_OTHERS, Tested, most};
+use crate::engine::{ACCIDENT_LEVEL, ACCIDENTS, LEAST_OTHERS, Tested, most};
 use crate::extremes::extremes;
 use crate::verification::base::cells;
 use crate::verification::comparison::Comparison;
 use crate::verification::gross_error::{Contradicts, GrossError};
-use crate::verification::gross_errors::{IS_ON_ITS_WAY, MOST};
+use crate::verification::gross_errors::IS_ON_ITS_WAY;
 use crate::verification::resolution::resolution_um;
 
 /// The readings of a table that contradict others of their stops, in its order.
@@ -49,7 +49,7 @@ pub(crate) fn slips_within_stops(
         if !is_clear || freedom - 1.0 < LEAST_OTHERS {
             break;
         }
-        if found == most(MOST, count) {
+        if found == most(ACCIDENTS, count) {
             return Vec::new();
         }
         found += 1;
