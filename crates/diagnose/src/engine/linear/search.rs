@@ -58,7 +58,7 @@ impl<'s, 'a> Among<'s, 'a> {
         }
     }
 
-    /// The same, where no cause gives way to another.
+    /// The same, where no cause gives way to another, but for a form of it with fewer parameters.
     pub(crate) fn by_name(listed: &'s Listed<'a>, level: f64) -> Self {
         Self {
             exchanges: false,
@@ -97,12 +97,19 @@ impl<'s, 'a> Among<'s, 'a> {
             [one] if self.is_whole => jumps(*one) == jumps(number),
             _ => true,
         };
+        // Lost motion that changes along the axis stays only if the change shows.
+        let is_form = |number: usize, own: usize| {
+            let [form, it] = [number, own].map(hypothesis);
+            let are_lost_motion = form.effect.is_lost_motion() && it.effect.is_lost_motion();
+            let [parameters, of_it] = [number, own].map(|k| listed.candidates[k].plausible.len());
+            number == own || are_lost_motion && form.subject == it.subject && parameters < of_it
+        };
         let mut possible = beside.scores.clone();
         possible.retain(|score| {
             let number = beside.numbers[score.scan];
             let is_too_many = hypothesis(number).is_of_time() && is_one_too_many(number);
             match own {
-                Some(own) if !self.exchanges => own.candidate == number,
+                Some(own) if !self.exchanges => is_form(number, own.candidate),
                 _ => !is_too_many && !self.excluded.contains(&number),
             }
         });
