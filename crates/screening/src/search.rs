@@ -238,8 +238,8 @@ impl Search {
         })
     }
 
-    /// That so many readings have lost their weight that the others do not determine the network; if none has, that
-    /// one that was far off drove the adjustment away.
+    /// The error where too many readings have lost their weight for the others to determine the network; where none has,
+    /// that the reading farthest off drove the adjustment away.
     fn nothing_left(&self, error: multilateration::Error) -> Error {
         match self.too_many(0.0) {
             Err(too_many) => too_many,

@@ -1,4 +1,4 @@
-//! What a user must know of compared readings, in words.
+//! Notices about readings that were compared with predictions.
 
 use trueaxis_files::{round, told_behind};
 use trueaxis_predict::{CalibratedMachine, position_in_file};

@@ -63,7 +63,7 @@ pub(crate) fn most(part: f64, count: usize) -> usize {
     most.max(1)
 }
 
-/// The lines of a table in words, at most six by their numbers: `lines 3, 8 and others`.
+/// Names at most six lines of a table: `lines 3, 8 and others`.
 pub(crate) fn first_lines(lines: impl ExactSizeIterator<Item = usize>) -> String {
     let more = if lines.len() > NAMED {
         " and others"

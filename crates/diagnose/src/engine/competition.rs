@@ -247,9 +247,9 @@ fn charged<D: Wanders>(
         - price(causes.len(), wandering)
 }
 
-/// 2 ln B of all causes, by what the model leaves without and with them and the
-/// price of the prior of each beside the others. One after the other, a cause that may have any shape would first explain what
-/// others do, at another shape, and these explain it again.
+/// 2 ln B of all causes: from what the model leaves without and with them, less the price of the prior of each beside the others.
+/// Added one after the other, a cause that may have any shape would first explain what the others do, at another shape, and they
+/// would explain it again.
 pub(crate) fn together(
     [before, after]: [&Projection; 2],
     prices: impl Iterator<Item = f64>,

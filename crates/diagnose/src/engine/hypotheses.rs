@@ -142,7 +142,7 @@ pub(crate) struct TimeConstants {
 const LEAST_VISITS: f64 = 3.0;
 
 impl TimeConstants {
-    /// In equal ratios, for so many visits.
+    /// The list for a number of visits, in equal ratios.
     pub(crate) fn of(&self, visits: usize, busy_s: f64, duration_s: f64) -> Vec<f64> {
         let [shortest, longest] = self.parts;
         let shortest_s = busy_s * shortest.max(LEAST_VISITS / visits.max(2) as f64);
@@ -162,8 +162,8 @@ pub(crate) fn busy_s(visits: &[VisitTimes]) -> f64 {
     without_pauses(starts_s.collect(), duration_s(visits))
 }
 
-/// A duration in which something began at these times; where pauses, as over a night, are most of it, the median time from one
-/// to the next for each.
+/// The duration of visits or arrivals that began at these times (ascending), s; where pauses, as over a night, are most of it, the
+/// median time from one to the next for each.
 pub(crate) fn without_pauses(starts_s: Vec<f64>, duration_s: f64) -> f64 {
     let steps = starts_s.windows(2).map(|two| two[1] - two[0]);
     let busy_s =

@@ -29,7 +29,11 @@ fn lengths(base: &Base<'_>, model: &Model) -> Vec<f64> {
 
 /// Standard deviation of the whitened residuals by their median length, which wrong points do not move.
 pub(super) fn robust_sigma(base: &Base<'_>, model: &Model) -> f64 {
-    median(&mut lengths(base, model)).map_or(1.0, |median| median / MEDIAN)
+    sigma_of(lengths(base, model))
+}
+
+fn sigma_of(mut lengths: Vec<f64>) -> f64 {
+    median(&mut lengths).map_or(1.0, |median| median / MEDIAN)
 }
 
 /// The points far off in what a model leaves, if they are more than mistakes explain, or any if gross errors stayed
@@ -42,7 +46,7 @@ pub(crate) fn doubted(
 ) -> Option<Unexplained> {
     let all = &base.readings.all;
     let lengths = lengths(base, model);
-    let limit = FAR * robust_sigma(base, model);
+    let limit = FAR * sigma_of(lengths.clone());
     let stops = base.readings.stops.iter();
     let largest = stops.filter_map(|stop| {
         stop.clone()

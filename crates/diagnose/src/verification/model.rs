@@ -52,7 +52,7 @@ pub(crate) fn is_left(model: &Model<'_>) -> bool {
     tests.iter().any(|t| t.test.p_value < model.problem.level)
 }
 
-/// Twice the logarithm of the marginal likelihood ratio against the model without anything, less the cost of names.
+/// 2 ln B against the model without anything, less the price of names.
 pub(crate) fn two_ln_b(plain: &Problem<'_>, model: &Model<'_>) -> f64 {
     let processes = model.wandering.iter();
     let processes = processes.map(|own| (own.columns(plain), own.tried(plain)));

@@ -30,11 +30,11 @@ pub(crate) fn side(
         (Some(came), Some(goes)) => (between(came, goes), [came, goes], came.moves),
         (None, Some(goes)) if last > 1 => {
             let next = step([1, 2]);
-            (before_both(goes, next), [goes, next], -goes.moves)
+            (at_end(goes, next), [goes, next], -goes.moves)
         }
         (Some(came), None) if last > 1 => {
             let earlier = step([row - 2, row - 1]);
-            (before_both(came, earlier), [came, earlier], came.moves)
+            (at_end(came, earlier), [came, earlier], came.moves)
         }
         (one, other) => {
             let step = one.or(other).unwrap_or_default();
@@ -51,7 +51,7 @@ pub(crate) fn side(
     }
 }
 
-/// From a row to the next.
+/// What moves from a row to the next.
 #[derive(Debug, Default, Clone, Copy)]
 struct Step {
     /// By how much the axis moves.
@@ -66,19 +66,19 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     squares.sum::<f64>().sqrt()
 }
 
-/// Speed of an axis at the row between two steps, in their path.
+/// Speed of an axis at the row between two steps, as its move over their path.
 fn between(came: Step, goes: Step) -> f64 {
     let ratio = ratio(came, goes);
     came.moves / ratio + goes.moves * ratio
 }
 
-/// Speed at the row on the other side of the `near` step than the far one, in the path of both.
-fn before_both(near: Step, far: Step) -> f64 {
+/// The same at the row where a pass begins or ends, from the step next to it and the one beyond.
+fn at_end(near: Step, far: Step) -> f64 {
     let ratio = ratio(near, far);
     near.moves * (2.0 + ratio.recip()) - far.moves * ratio
 }
 
-/// How the path of a step is to that of another; 1 where one of them is none.
+/// Ratio of the paths of two steps; 1 where one of them has none.
 fn ratio(one: Step, other: Step) -> f64 {
     let ratio = one.path / other.path;
     if ratio.is_normal() { ratio } else { 1.0 }

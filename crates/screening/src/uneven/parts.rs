@@ -99,7 +99,7 @@ impl Row {
         }
     }
 
-    /// By how much the mean of so many with this sum is above that of the others.
+    /// Mean of a part of `inside` values with this sum, less the mean of the others.
     fn higher(&self, inside: usize, sum: f64) -> f64 {
         let count = self.sums.len() - 1;
         sum * count as f64 / (inside * (count - inside)) as f64
