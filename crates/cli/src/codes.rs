@@ -6,7 +6,7 @@ use trueaxis_calibrate::Error as Calibrate;
 use trueaxis_campaign::{Error as Campaign, Part, Place, Problem};
 use trueaxis_compensate::Error as Compensate;
 use trueaxis_diagnose::Error as Diagnose;
-use trueaxis_effects::Error as Effects;
+use trueaxis_effects::{Error as Effects, Problem as EffectsProblem};
 use trueaxis_files::{DocumentError, DocumentProblem, FileProblem};
 use trueaxis_import::{Error as Import, Problem as ImportProblem};
 use trueaxis_montecarlo::Error as Montecarlo;
@@ -26,6 +26,7 @@ pub(crate) fn of(error: &anyhow::Error) -> Option<&'static str> {
         let document = |e: &DocumentError| of_document(&e.problem, &e.place);
         let campaign = |e: &Campaign| of_campaign(&e.problem, &e.place);
         let scenario = |e: &Simulate| of_scenario(&e.problem, &e.place);
+        let effects = |e: &Effects| of_effects(&e.problem, &e.place);
         let import = |e: &Import| of_import(&e.problem, &e.place);
         let reading = |e: &Unreadable| of_reading(&e.source);
         let found = cause.downcast_ref().map(document);
@@ -37,7 +38,7 @@ pub(crate) fn of(error: &anyhow::Error) -> Option<&'static str> {
             .or_else(|| cause.downcast_ref().map(of_diagnose))
             .or_else(|| cause.downcast_ref().map(of_poses))
             .or_else(|| cause.downcast_ref().map(of_calibration))
-            .or_else(|| cause.downcast_ref().map(of_effects))
+            .or_else(|| cause.downcast_ref().map(effects))
             .or_else(|| cause.downcast_ref().map(of_compensate))
             .or_else(|| cause.downcast_ref().map(of_montecarlo))
             .or_else(|| cause.downcast_ref().map(of_report))
@@ -103,20 +104,16 @@ fn of_campaign(problem: &Problem, place: &Place) -> &'static str {
     }
 }
 
-fn of_effects(error: &Effects) -> &'static str {
-    use trueaxis_effects::Problem as EffectsProblem;
-    match error {
-        Effects::Document(error) => of_document(&error.problem, &error.place),
-        Effects::Field { problem, .. } => match problem {
-            EffectsProblem::UnknownName { .. } => "E104",
-            EffectsProblem::Subject { .. } => "E110",
-            EffectsProblem::MissingParameter { .. } => "E111",
-            EffectsProblem::DuplicateParameter { .. } => "E112",
-            EffectsProblem::Unit { .. } => "E113",
-            EffectsProblem::Value { .. } => "E103",
-            EffectsProblem::CovarianceSize { .. } => "E114",
-            EffectsProblem::CovarianceAsymmetric { .. } => "E115",
-        },
+fn of_effects(problem: &EffectsProblem, place: &Place) -> &'static str {
+    match problem {
+        EffectsProblem::Document(problem) => of_document(problem, place),
+        EffectsProblem::Subject { .. } => "E110",
+        EffectsProblem::MissingParameter { .. } => "E111",
+        EffectsProblem::DuplicateParameter { .. } => "E112",
+        EffectsProblem::Unit { .. } => "E113",
+        EffectsProblem::Value { .. } => "E103",
+        EffectsProblem::CovarianceSize { .. } => "E114",
+        EffectsProblem::CovarianceAsymmetric { .. } => "E115",
     }
 }
 
@@ -124,7 +121,7 @@ fn of_scenario(problem: &SimulateProblem, place: &Place) -> &'static str {
     match problem {
         SimulateProblem::Document(problem) => of_document(problem, place),
         SimulateProblem::Campaign(problem) => of_campaign(problem, place),
-        SimulateProblem::Effect(error) => of_effects(error),
+        SimulateProblem::Effect(problem) => of_effects(problem, place),
         SimulateProblem::Read(source) => of_reading(source),
         SimulateProblem::Write(_) => "E004",
         SimulateProblem::Value { .. } | SimulateProblem::Expected { .. } => "E103",

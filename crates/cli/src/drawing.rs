@@ -104,13 +104,9 @@ fn place_of_document<'e>(cause: &'e (dyn std::error::Error + 'static)) -> Option
         ReadError::Machine(error) => Some(&*error.place),
         _ => None,
     };
-    let of_effects = |error: &'e Effects| match error {
-        Effects::Document(error) => Some(&*error.place),
-        Effects::Field { .. } => None,
-    };
     let found = cause.downcast_ref().and_then(of_calibration);
     found
-        .or_else(|| cause.downcast_ref().and_then(of_effects))
+        .or_else(|| cause.downcast_ref().map(|e: &Effects| &*e.place))
         .or_else(|| cause.downcast_ref().map(|e: &Campaign| &*e.place))
         .or_else(|| cause.downcast_ref().map(|e: &DocumentError| &*e.place))
         .or_else(|| cause.downcast_ref().map(|e: &Simulate| &*e.place))

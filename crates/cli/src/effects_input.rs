@@ -58,7 +58,7 @@ pub(crate) fn read(path: &Path, scene: &Scene, campaign: &str) -> anyhow::Result
     let (mut file, in_part) = if header.format == DIAGNOSIS {
         of_diagnosis(&header, &text).with_context(in_file)?
     } else {
-        let file = EffectsFile::from_json(&text).map_err(|error| placed(error, path))?;
+        let file = EffectsFile::from_json(&text).map_err(|error| error.in_file(path))?;
         (file, Vec::new())
     };
     if file.effects.is_empty() {
@@ -73,7 +73,7 @@ pub(crate) fn read(path: &Path, scene: &Scene, campaign: &str) -> anyhow::Result
         return Err(wrong(text)).with_context(in_file);
     }
     let exact = file.covariance.is_none() && !with_uncertainties(&mut file, scene);
-    let resolved = file.resolve(scene).map_err(|error| placed(error, path))?;
+    let resolved = file.resolve(scene).map_err(|error| error.in_file(path))?;
     let mut notices = Vec::new();
     let mut notice = |text: &str| notices.push(format!("{}: {text}", path.display()));
     if !in_part.is_empty() {
@@ -101,19 +101,6 @@ pub(crate) fn read(path: &Path, scene: &Scene, campaign: &str) -> anyhow::Result
         notice("the effects have no uncertainties and are taken as exact");
     }
     Ok(Effects { resolved, notices })
-}
-
-/// The error with its file, where it is in a line.
-fn placed(mut error: trueaxis_effects::Error, path: &Path) -> anyhow::Error {
-    match &mut error {
-        trueaxis_effects::Error::Document(document) => {
-            document.place.file = Some(path.to_path_buf());
-            error.into()
-        }
-        trueaxis_effects::Error::Field { .. } => {
-            anyhow::Error::new(error).context(path.display().to_string())
-        }
-    }
 }
 
 /// Effects in the scene of a campaign.

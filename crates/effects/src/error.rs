@@ -1,37 +1,19 @@
 //! What can be wrong with given effects.
 
-use trueaxis_files::{Alternatives, DocumentError};
+use trueaxis_files::{DocumentProblem, Located, OfDocument, Place};
 
 /// Effects that cannot be read, or that cannot happen to the measurement at hand.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Error {
-    /// The text is not JSON, or no effects file.
-    #[error(transparent)]
-    Document(#[from] DocumentError),
-    /// A field that is wrong.
-    #[error("{field}: {problem}")]
-    Field {
-        /// Its path, such as `effects[1].parameters[0].unit`; that of an effect that stands alone begins with
-        /// its own fields.
-        field: String,
-        /// What is wrong.
-        problem: Problem,
-    },
-}
+///
+/// Its message says where: the path of the field, such as `effects[1].parameters[0].unit`; that of an effect that stands
+/// alone begins with its own fields.
+pub type Error = Located<Problem>;
 
-/// What is wrong with a field.
+/// What can be wrong with effects. An [`Error`] says where it is.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Problem {
-    /// A name that nothing has.
-    #[error("no {what} is named `{name}` (known: {}){}", known.known.join(", "), did_you_mean(known))]
-    UnknownName {
-        /// What the name should stand for.
-        what: String,
-        /// The name.
-        name: String,
-        /// The known names.
-        known: Alternatives,
-    },
+    /// Of the document, or a name in it.
+    #[error(transparent)]
+    Document(DocumentProblem),
     /// An effect on something that it does not happen to.
     #[error("{effect} cannot act on ({found}); possible here: {possible}")]
     Subject {
@@ -98,35 +80,18 @@ pub enum Problem {
     },
 }
 
-impl Error {
-    /// Path of the field that is wrong, where it is one field.
-    pub fn field(&self) -> Option<&str> {
-        match self {
-            Self::Document(error) => error.place.field_path(),
-            Self::Field { field, .. } => Some(field),
-        }
-    }
-
-    /// The same error where its field is a part of `outer`.
-    pub(crate) fn within(mut self, outer: &str) -> Self {
-        if let Self::Field { field, .. } = &mut self {
-            *field = format!("{outer}.{field}");
-        }
-        self
+impl OfDocument for Problem {
+    fn of_document(problem: DocumentProblem) -> Self {
+        Self::Document(problem)
     }
 }
 
 impl Problem {
-    /// The error that this is in a field.
+    /// The error with this problem in a field.
     pub(crate) fn at(self, field: impl Into<String>) -> Error {
-        Error::Field {
-            field: field.into(),
+        Error {
+            place: Place::in_field(field),
             problem: self,
         }
     }
-}
-
-fn did_you_mean(known: &Alternatives) -> String {
-    let nearest = known.nearest.as_ref();
-    nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
 }

@@ -2,9 +2,9 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use trueaxis_files::index_of;
 
 use crate::error::Problem;
-use crate::names::index_of;
 use crate::shape::{from_file, shape_parameter};
 use crate::{Effect, Error, GivenSubject, Parameter, ResolvedEffect, Scene, catalogue};
 
@@ -97,7 +97,7 @@ impl GivenEffect {
     pub(crate) fn catalogued(&self) -> Result<&'static Effect, Error> {
         let effects = catalogue();
         let names: Vec<&str> = effects.iter().map(|effect| effect.id).collect();
-        index_of("effect", "effect", &self.effect, &names).map(|index| effects[index])
+        Ok(effects[index_of("effect", "effect", &self.effect, &names)?])
     }
 
     /// Where each expected parameter stands in the list, which must hold it once and nothing else.
@@ -106,8 +106,7 @@ impl GivenEffect {
         let mut places = vec![None; expected.len()];
         for (i, given) in self.parameters.iter().enumerate() {
             let field = |name: &str| format!("parameters[{i}].{name}");
-            let what = format!("parameter of {}", effect.id);
-            let index = index_of(field("name"), what, &given.name, &names)?;
+            let index = index_of(field("name"), "parameter", &given.name, &names)?;
             let name = given.name.clone();
             if places[index].replace(i).is_some() {
                 return Err(Problem::DuplicateParameter { name }.at(field("name")));

@@ -2,10 +2,10 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use trueaxis_files::index_of;
 use trueaxis_kinematics::{Axis, Component};
 
 use crate::error::Problem;
-use crate::names::index_of;
 use crate::{Effect, Error, Scene, Subject};
 
 /// Subjects listed in a message; a bending stage alone has one for each axis and target.
@@ -67,7 +67,7 @@ impl GivenSubject {
         let targets: Vec<&str> = scene.targets.iter().map(|t| t.name.as_str()).collect();
         let temperatures = scene.temperatures.iter();
         let columns: Vec<&str> = temperatures.map(|t| t.column.as_str()).collect();
-        let index = |field: &str, what: &str, name: &Option<String>, known: &[&str]| {
+        let index = |field: &str, what, name: &Option<String>, known: &[&str]| {
             let name = name.as_deref();
             name.map(|name| index_of(format!("subject.{field}"), what, name, known))
                 .transpose()

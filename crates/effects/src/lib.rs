@@ -50,7 +50,6 @@ mod error;
 mod form;
 mod given_effect;
 mod given_subject;
-mod names;
 mod resolved_effect;
 mod scene;
 mod shape;

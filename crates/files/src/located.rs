@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::Path;
 
-use crate::{DocumentError, DocumentProblem, Place};
+use crate::{DocumentError, DocumentProblem, Part, Place};
 
 /// A problem with its place: where, what was found, what is expected and how to correct it.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +34,15 @@ impl<P> Located<P> {
     #[must_use]
     pub fn in_file(mut self, file: &Path) -> Self {
         self.place.file = Some(file.to_owned());
+        self
+    }
+
+    /// The same problem where its field is a part of the field `outer`.
+    #[must_use]
+    pub fn within(mut self, outer: &str) -> Self {
+        if let Some(Part::Field(path)) = &mut self.place.part {
+            *path = format!("{outer}.{path}");
+        }
         self
     }
 }

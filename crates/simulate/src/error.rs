@@ -15,10 +15,7 @@ pub type Error = Located<Box<Problem>>;
 
 /// The same error in a text, perhaps of a file.
 pub(crate) fn in_text(mut error: Error, text: &str, file: Option<&Path>) -> Error {
-    let field = match &*error.problem {
-        Problem::Effect(error) => error.field(),
-        _ => error.place.field_path(),
-    };
+    let field = error.place.field_path();
     error.place.line = Some(field.map_or(1, |field| field_line(text, field)));
     error.place.file = file.map(Path::to_owned);
     error
@@ -197,5 +194,5 @@ pub enum Problem {
     },
     /// An effect that the scenario's measurement cannot have.
     #[error(transparent)]
-    Effect(trueaxis_effects::Error),
+    Effect(trueaxis_effects::Problem),
 }

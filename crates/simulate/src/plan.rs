@@ -61,9 +61,8 @@ impl Plan {
         let noise = Noise::of(scenario)?;
         check_temperatures(scenario)?;
         let scene = scene(scenario, &machine, &targets, &runs);
-        // The place is in the error itself.
         let effects = resolve_all(&scenario.effects, &scene)
-            .map_err(|error| Problem::Effect(error).in_place(Box::default()))?;
+            .map_err(|error| Problem::Effect(error.problem).in_place(error.place))?;
         let systematic = PlannedSystematic::new(scenario, &targets)?;
         let expansions = scenario
             .machine

@@ -189,7 +189,7 @@ fn wrong_effects_are_refused_with_their_field() {
     let cases = [
         (
             altered("/effect", json!("machine_shfit")),
-            "effects[1].effect: no effect is named `machine_shfit`",
+            "effects[1].effect: unknown effect `machine_shfit`",
         ),
         (
             altered("/parameters/0/unit", json!("ms")),
@@ -197,8 +197,8 @@ fn wrong_effects_are_refused_with_their_field() {
         ),
         (
             altered("/parameters/1/name", json!("shift_w")),
-            "effects[1].parameters[1].name: no parameter of machine_shift is named `shift_w` \
-             (known: shift_x, shift_y, shift_z, time); did you mean `shift_x`?",
+            "effects[1].parameters[1].name: unknown parameter `shift_w`; did you mean \
+             `shift_x`? known: shift_x, shift_y, shift_z, time",
         ),
         (
             altered(
@@ -209,8 +209,8 @@ fn wrong_effects_are_refused_with_their_field() {
         ),
         (
             json!([{ "effect": "station_jump", "subject": { "station": "S9" }, "parameters": [] }]),
-            "effects[0].subject.station: no station is named `S9` (known: S1, S2, S3, S4); \
-             did you mean `S1`?",
+            "effects[0].subject.station: unknown station `S9`; did you mean `S1`? \
+             known: S1, S2, S3, S4",
         ),
         (
             json!([{ "effect": "backlash", "subject": { "axis": "X", "target": "P" },
@@ -235,7 +235,7 @@ fn the_line_of_a_wrong_effect_is_named() {
         .unwrap();
     let message = chain(&Scenario::from_json(&wrong).unwrap_err());
     let expected = format!(
-        "line {line}: effects[0].parameters[3].name: there is another parameter named `shift_x`"
+        "line {line}, field effects[0].parameters[3].name: there is another parameter named `shift_x`"
     );
     assert_eq!(message, expected);
 }
