@@ -270,6 +270,8 @@ struct Wander {
 
 /// The most likely wandering course from the normal equations of its columns, wave after wave, with one column for
 /// each coordinate.
+///
+/// The noise is given, that of all lengths; `trueaxis_selection::restricted_likelihood` estimates it from the data that wander.
 fn wander(left: &DMatrix<f64>, right: &DVector<f64>, spread: f64) -> Wander {
     let n = right.len();
     let coordinates = n / WAVES as usize;
