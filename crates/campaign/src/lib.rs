@@ -52,7 +52,7 @@
 //! let copy = write(&campaign, &folder.path().join("copy"))?;
 //! assert_eq!(read(&copy)?, campaign);
 //!
-//! // A slip of the keyboard:
+//! // A name in another case:
 //! fs::write(folder.path().join("points.csv"), points.replace("c,1,90,P", "c,1,90,p"))?;
 //! let error = read(&path).unwrap_err();
 //! assert!(error.to_string().ends_with(

@@ -88,7 +88,7 @@ use crate::verification::problem::Problem;
 use crate::verification::read_again::read_again;
 use crate::verification::resolution::hidden_um;
 use crate::verification::series::Series;
-use crate::verification::stops::slips_within_stops;
+use crate::verification::stops::gross_errors_within_stops;
 use crate::verification::together::together;
 use crate::verification::turned::{put_right, turned};
 
@@ -171,7 +171,7 @@ fn leave_gross_errors_out(
     calibration: Option<&CalibratedMachine>,
     outcome: &mut Said,
 ) {
-    for screen in [slips_within_stops, gross_errors] {
+    for screen in [gross_errors_within_stops, gross_errors] {
         let comparison = Comparison::new(machine, verification, calibration);
         let gross = screen(verification, &comparison);
         drop(comparison);
@@ -219,7 +219,7 @@ fn judged<'a>(
         let why = match comparison.arrivals.as_slice() {
             [stop] if stop.readings > 1 => {
                 "all readings are of one stop, and count as one; number them in `cycle`, one after the other, to have them judged for \
-                 drift, jumps and slips"
+                 drift, jumps and gross errors"
             }
             [] | [_] => "there are fewer than two stops",
             _ => "all readings are equal",

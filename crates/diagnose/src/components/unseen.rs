@@ -8,7 +8,7 @@ use trueaxis_predict::Unit;
 
 use crate::diagnosis::NotObservable;
 
-/// Largest difference of steps that count as equal, in steps: a period then slips by less than 1/1000 of itself from
+/// Largest difference of steps that count as equal, in steps: a period then shifts by less than 1/1000 of itself from
 /// one to the next.
 const EQUAL_TOL: f64 = 1e-3;
 

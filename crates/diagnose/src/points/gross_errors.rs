@@ -1,4 +1,4 @@
-//! Points that contradict all others, such as a wrong target or a slip of the pen.
+//! Points that contradict all others, such as that of a wrong target or one written down wrongly.
 //!
 //! The three columns of one point are tested against what the other points leave ([`Tested`]).
 //!

@@ -16,7 +16,7 @@ use crate::verification::gross_errors::MOST_IN_A_ROW;
 use crate::verification::noise_floor::SHORT_PASS;
 use crate::verification::problem::Problem;
 
-/// Standard deviations from which on a reading is far off: the least size of a slip.
+/// Standard deviations from which on a reading is far off: the least gross error.
 const FAR: f64 = 8.0;
 
 /// Standard deviation of normal noise for a unit of its median size.

@@ -18,15 +18,15 @@ pub(crate) enum Contradicts {
 impl Contradicts {
     fn reason(self) -> &'static str {
         match self {
-            Self::All => "contradicts all other readings: a slip of the pen, or read too early",
+            Self::All => "contradicts all other readings: written down wrongly, or read too early",
             Self::OtherStops => {
                 "its stop contradicts all others: the axis was elsewhere, or the instrument was touched"
             }
             Self::TheOther => {
-                "contradicts the other reading of its position: one of the two is a slip of the pen, or was read too early"
+                "contradicts the other reading of its position: one of the two was written down wrongly, or read too early"
             }
             Self::ItsStop => {
-                "contradicts the other readings of its stop: a slip of the pen, or of the instrument"
+                "contradicts the other readings of its stop: written down wrongly, or a fault of the instrument"
             }
         }
     }

@@ -4,7 +4,7 @@
 //! ([`Tested`], as for arrivals in [`super::gross_errors`]). It must be off by much more than the others of
 //! its stop differ, and the nearest stops at its position from these; otherwise the machine was on its way there, and
 //! the stop is not considered further. Of two readings nothing shows which is wrong. Where more than a few stand out
-//! they are no slips but the way in which machine or instrument settle, and stay.
+//! they are no gross errors but the way in which machine or instrument settle, and stay.
 
 use trueaxis_campaign::Verification;
 use trueaxis_selection::Gram;
@@ -18,7 +18,7 @@ use crate::verification::gross_errors::IS_ON_ITS_WAY;
 use crate::verification::resolution::resolution_um;
 
 /// The readings of a table that contradict others of their stops, in its order.
-pub(crate) fn slips_within_stops(
+pub(crate) fn gross_errors_within_stops(
     verification: &Verification,
     comparison: &Comparison<'_>,
 ) -> Vec<GrossError> {
@@ -33,13 +33,13 @@ pub(crate) fn slips_within_stops(
     let mut stops: Vec<Stop> = stops.collect();
     let resolution_um = resolution_um(values_um()).unwrap_or_default();
     let count = verification.readings.len();
-    let mut slips: Vec<(usize, Slip, Contradicts)> = Vec::new();
+    let mut outliers: Vec<(usize, Outlier, Contradicts)> = Vec::new();
     // What is left at the last of them.
     let (mut found, mut variance) = (0, 0.0);
-    while let Some(slip) = largest(&stops) {
+    while let Some(outlier) = largest(&stops) {
         let (squares, freedom) = left(&stops);
-        let gram = Gram::new(&[slip.redundancy], &[1.0]);
-        let residual = [slip.error_um * slip.redundancy];
+        let gram = Gram::new(&[outlier.redundancy], &[1.0]);
+        let residual = [outlier.error_um * outlier.redundancy];
         let tested = Tested::new(
             (squares, freedom),
             (&gram, &residual),
@@ -53,29 +53,33 @@ pub(crate) fn slips_within_stops(
             return Vec::new();
         }
         found += 1;
-        if is_on_its_way(&stops, &slip) {
-            stops[slip.stop].is_excluded = true;
+        if is_on_its_way(&stops, &outlier) {
+            stops[outlier.stop].is_excluded = true;
             continue;
         }
-        variance = tested.covariance[0] * slip.redundancy;
-        let readings = &mut stops[slip.stop].readings;
+        variance = tested.covariance[0] * outlier.redundancy;
+        let readings = &mut stops[outlier.stop].readings;
         match readings.len() {
             2 => {
-                let other = Slip {
-                    error_um: -slip.error_um,
-                    ..slip
+                let other = Outlier {
+                    error_um: -outlier.error_um,
+                    ..outlier
                 };
-                slips.push((readings[1 - slip.place].0, other, Contradicts::TheOther));
-                slips.push((readings[slip.place].0, slip, Contradicts::TheOther));
+                outliers.push((readings[1 - outlier.place].0, other, Contradicts::TheOther));
+                outliers.push((readings[outlier.place].0, outlier, Contradicts::TheOther));
                 readings.clear();
             }
-            _ => slips.push((readings.remove(slip.place).0, slip, Contradicts::ItsStop)),
+            _ => outliers.push((
+                readings.remove(outlier.place).0,
+                outlier,
+                Contradicts::ItsStop,
+            )),
         }
     }
-    slips.sort_by_key(|(reading, ..)| *reading);
-    let said = slips.into_iter().map(|(reading, slip, contradicts)| {
-        let u_um = (variance / slip.redundancy).sqrt();
-        GrossError::new(verification, reading, (slip.error_um, u_um), contradicts)
+    outliers.sort_by_key(|(reading, ..)| *reading);
+    let said = outliers.into_iter().map(|(reading, outlier, contradicts)| {
+        let u_um = (variance / outlier.redundancy).sqrt();
+        GrossError::new(verification, reading, (outlier.error_um, u_um), contradicts)
     });
     said.collect()
 }
@@ -98,7 +102,7 @@ impl Stop {
 
 /// A reading of a stop, and how far it is off the mean of the others there.
 #[derive(Debug, Clone, Copy)]
-struct Slip {
+struct Outlier {
     stop: usize,
     place: usize,
     error_um: f64,
@@ -107,41 +111,41 @@ struct Slip {
 }
 
 /// The reading that stands out most among those of its stop.
-fn largest(stops: &[Stop]) -> Option<Slip> {
+fn largest(stops: &[Stop]) -> Option<Outlier> {
     let stops = stops.iter().enumerate();
-    let slips = stops
+    let outliers = stops
         .filter(|(_, own)| own.readings.len() > 1 && !own.is_excluded)
         .flat_map(|(stop, own)| {
             let (redundancy, mean) = (1.0 - 1.0 / own.readings.len() as f64, own.mean());
             let readings = own.readings.iter().enumerate();
-            readings.map(move |(place, (_, value))| Slip {
+            readings.map(move |(place, (_, value))| Outlier {
                 stop,
                 place,
                 error_um: (value - mean) / redundancy,
                 redundancy,
             })
         });
-    let drop = |slip: &Slip| slip.error_um.powi(2) * slip.redundancy;
-    slips.max_by(|a, b| drop(a).total_cmp(&drop(b)))
+    let drop = |outlier: &Outlier| outlier.error_um.powi(2) * outlier.redundancy;
+    outliers.max_by(|a, b| drop(a).total_cmp(&drop(b)))
 }
 
 /// Whether the machine was on its way when a reading was taken, as at the start of a warm-up: the others of its stop,
 /// or the nearest stops before and after it at the same position, are not much nearer to each other.
-fn is_on_its_way(stops: &[Stop], slip: &Slip) -> bool {
-    let near_um = IS_ON_ITS_WAY * slip.error_um.abs();
-    let own = &stops[slip.stop];
-    // Of two neither is known to be the slip.
+fn is_on_its_way(stops: &[Stop], outlier: &Outlier) -> bool {
+    let near_um = IS_ON_ITS_WAY * outlier.error_um.abs();
+    let own = &stops[outlier.stop];
+    // Of two neither is known to be the gross error.
     let is_known = own.readings.len() > 2;
     let all = own.readings.iter().enumerate();
-    let others = all.filter(|(place, _)| !is_known || *place != slip.place);
+    let others = all.filter(|(place, _)| !is_known || *place != outlier.place);
     let others: Vec<f64> = others.map(|(_, (_, value))| *value).collect();
     let [low, high] = extremes(others.iter().copied());
     if is_known && high - low > near_um {
         return true;
     }
     let is_same = |other: &&Stop| other.cell == own.cell && !other.readings.is_empty();
-    let before = stops[..slip.stop].iter().rev().find(is_same);
-    let after = stops[slip.stop + 1..].iter().find(is_same);
+    let before = stops[..outlier.stop].iter().rev().find(is_same);
+    let after = stops[outlier.stop + 1..].iter().find(is_same);
     let is_far = |neighbour: &Stop, value: &f64| (value - neighbour.mean()).abs() > near_um;
     // Of two the first is as before and the second as after: something jumped between them.
     if let ([first, second], Some(before), Some(after)) = (&others[..], before, after)

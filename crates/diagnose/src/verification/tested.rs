@@ -7,21 +7,21 @@ use crate::engine::Tested;
 
 /// An arrival that stands out: error and its standard uncertainty, µm.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Slip {
+pub(crate) struct Outlier {
     pub(crate) arrival: usize,
     pub(crate) error_um: f64,
     pub(crate) u_um: f64,
 }
 
 /// Arrivals with values of their own in the model.
-pub(crate) struct Slips {
-    pub(crate) slips: Vec<Slip>,
+pub(crate) struct Outliers {
+    pub(crate) outliers: Vec<Outlier>,
     /// Drop of the sum of squares.
     pub(crate) drop: f64,
     pub(crate) ln_p: f64,
 }
 
-impl Slips {
+impl Outliers {
     /// `None` if the model takes them as they are: then they cannot be tested.
     pub(crate) fn new(left: &Projection, arrivals: &[usize], resolution_um: f64) -> Option<Self> {
         let n = arrivals.len();
@@ -36,13 +36,13 @@ impl Slips {
         // At least the variance of the last digit of the readings.
         let squares = (left.squares(), left.degrees_of_freedom);
         let tested = Tested::new(squares, (&gram, &residuals), resolution_um.powi(2));
-        let slip = |k: usize| Slip {
+        let outlier = |k: usize| Outlier {
             arrival: arrivals[k],
             error_um: tested.errors[k],
             u_um: tested.covariance[k * n + k].sqrt(),
         };
         (gram.rank() == n).then(|| Self {
-            slips: (0..n).map(slip).collect(),
+            outliers: (0..n).map(outlier).collect(),
             drop: tested.drop,
             ln_p: tested.ln_p,
         })

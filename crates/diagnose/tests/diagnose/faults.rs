@@ -147,15 +147,15 @@ fn lost_motion_below_zero_is_over_compensation() {
     assert!(explanation.cause.contains("lost motion"), "{explanation:?}");
 }
 
-/// A slip of the pen of 300 µm among 2 µm, at each row once, in both orders.
+/// A gross error of 300 µm among 2 µm, at each row once, in both orders.
 #[test]
-fn a_slip_of_the_pen_is_left_out_and_said() {
+fn a_gross_error_is_left_out_and_said() {
     for by_stop in [true, false] {
-        for slip in (0..30).step_by(7) {
-            let value = |row: usize, _, _| if row == slip { 300.0 } else { 0.0 };
-            let found = found(line(by_stop, 2.0, slip as u64, &value));
+        for wrong in (0..30).step_by(7) {
+            let value = |row: usize, _, _| if row == wrong { 300.0 } else { 0.0 };
+            let found = found(line(by_stop, 2.0, wrong as u64, &value));
             let rows: Vec<usize> = found.rejected.iter().map(|r| r.row).collect();
-            assert_eq!(rows, [slip + 2], "{:?}", found.rejected);
+            assert_eq!(rows, [wrong + 2], "{:?}", found.rejected);
             let error_um = found.rejected[0].error_um;
             assert!((200.0..400.0).contains(&error_um), "{error_um}");
             assert!(found.causes.is_empty(), "{:?}", found.causes);
@@ -354,7 +354,7 @@ fn readings_that_repeat_to_the_last_digit_are_judged_by_that_digit() {
     };
     let same = said(&|_, _| 0.7);
     assert_eq!(same.verdict, Verdict::Clean);
-    // One reading is off by its last digit: that is no slip of the pen.
+    // One reading is off by its last digit: that is no gross error.
     let digit = said(&|row, _| if row == 7 { 0.71 } else { 0.7 });
     assert_eq!(digit.verdict, Verdict::Clean);
     assert!(digit.rejected.is_empty());

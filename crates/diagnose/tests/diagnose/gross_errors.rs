@@ -69,7 +69,7 @@ fn rows(found: &Diagnosis) -> Vec<usize> {
 /// Two readings in a row that are off by 30 and 60 µm, by as much, or to both sides, wherever they stand: at the ends of a pass, across
 /// two of them, at the ends of the table. Nothing else is left out, and nothing is named.
 #[test]
-fn two_slips_in_a_row_are_left_out() {
+fn two_gross_errors_in_a_row_are_left_out() {
     for stops in [5, 9] {
         for (case, errors) in [[30.0, 60.0], [45.0, 45.0], [40.0, -40.0]]
             .iter()
@@ -97,7 +97,7 @@ fn two_slips_in_a_row_are_left_out() {
 /// A zero that jumps by 30 µm, two readings before a pass ends or after it began or anywhere, leaves no reading out, if there are
 /// three before and after it.
 #[test]
-fn a_jump_is_no_slip() {
+fn a_jump_is_no_gross_error() {
     for (stops, cycles) in [(5, 5), (9, 5), (1, 15), (2, 15)] {
         let layout = Layout::new(stops, cycles, 2);
         for at in (3..layout.rows() - 2).step_by(9) {
@@ -116,7 +116,7 @@ fn a_jump_is_no_slip() {
 
 /// A machine that warms up by 30 µm within the first passes loses no reading at the start of the table.
 #[test]
-fn the_start_of_a_warm_up_is_no_slip() {
+fn the_start_of_a_warm_up_is_no_gross_error() {
     let losing = (0..12).filter(|&seed| {
         let layout = [Layout::new(4, 13, 2), Layout::new(9, 5, 2)][seed % 2];
         let constant = 6.0 + 1.25 * seed as f64;
@@ -160,7 +160,7 @@ fn some_rows(layout: Layout, count: usize, random: &mut ChaCha8Rng) -> Vec<usize
     rows
 }
 
-/// What becomes of slips of one size in rows of a layout: rows that are left out rightly, and wrongly.
+/// What becomes of gross errors of one size in rows of a layout: rows that are left out rightly, and wrongly.
 fn left_out(layout: Layout, count: usize, size_um: f64, seed: u64) -> (usize, usize) {
     let mut random = generator(seed, 42);
     let wrong = some_rows(layout, count, &mut random);
@@ -171,9 +171,9 @@ fn left_out(layout: Layout, count: usize, size_um: f64, seed: u64) -> (usize, us
     (rightly, found.len() - rightly)
 }
 
-/// Two slips of 20 µm in the same table of nine stops and five cycles: of each the other was said to explain as much, and both stayed.
+/// Two gross errors of 20 µm in the same table of nine stops and five cycles: of each the other was said to explain as much, and both stayed.
 #[test]
-fn two_slips_of_one_size_do_not_hide_each_other() {
+fn two_gross_errors_of_one_size_do_not_hide_each_other() {
     let layout = Layout::new(9, 5, 2);
     for seed in 0..20 {
         assert_eq!(left_out(layout, 2, 20.0, seed), (2, 0), "{seed}");
@@ -182,7 +182,7 @@ fn two_slips_of_one_size_do_not_hide_each_other() {
 
 /// Three of 102 in passes of three: the noise was told by half too small, so that more than three were far off and all stayed.
 #[test]
-fn slips_in_passes_of_three_are_left_out() {
+fn gross_errors_in_passes_of_three_are_left_out() {
     let layout = Layout::new(3, 17, 2);
     for seed in 0..40 {
         assert_eq!(left_out(layout, 3, 15.0, seed), (3, 0), "{seed}");
@@ -191,7 +191,7 @@ fn slips_in_passes_of_three_are_left_out() {
 
 /// One position from one side or from both, or two: the pass of a wrong reading was taken for one with another zero.
 #[test]
-fn a_slip_in_a_test_of_repeatability_is_left_out() {
+fn a_gross_error_in_a_test_of_repeatability_is_left_out() {
     for (stops, sides) in [(1, 1), (1, 2), (2, 1), (2, 2)] {
         let layout = Layout::new(stops, 16, sides);
         for row in [0, 7, layout.rows() - 1] {
@@ -236,18 +236,18 @@ fn thrice(table: &mut Verification, mut value_um: impl FnMut(usize, f64) -> f64)
 /// Three readings at each stop of a fixed point that drifts by 30 µm, some of them off by 4 mm: they were averaged with the others of
 /// their stop, and nothing was said but that the noise was 335 µm.
 #[test]
-fn a_slip_among_the_readings_of_a_stop_is_left_out() {
-    for (slips, seed) in [(vec![], 1), (vec![0], 2), (vec![14, 60, 100, 179], 3)] {
+fn a_gross_error_among_the_readings_of_a_stop_is_left_out() {
+    for (wrong, seed) in [(vec![], 1), (vec![0], 2), (vec![14, 60, 100, 179], 3)] {
         let layout = Layout::new(1, 60, 1);
         let mut random = generator(seed, 47);
         let mut table = layout.table(&mut random, |row| 0.5 * row as f64);
         thrice(&mut table, |row, value_um| {
             let noise: f64 = StandardNormal.sample(&mut random);
-            let off = if slips.contains(&row) { 4e3 } else { 0.0 };
+            let off = if wrong.contains(&row) { 4e3 } else { 0.0 };
             value_um + off + 0.3 * noise
         });
         let found = found(table);
-        let expected: Vec<usize> = slips.iter().map(|row| row + 2).collect();
+        let expected: Vec<usize> = wrong.iter().map(|row| row + 2).collect();
         assert_eq!(rows(&found), expected);
         assert!(found.verdict.is_misfit() && found.levels[0].noise_floor_um < 3.0);
     }
@@ -255,7 +255,7 @@ fn a_slip_among_the_readings_of_a_stop_is_left_out() {
 
 /// A machine that warms up while the readings of its first stops are taken loses none of them.
 #[test]
-fn a_warm_up_within_the_first_stops_is_no_slip() {
+fn a_warm_up_within_the_first_stops_is_no_gross_error() {
     for (seed, constant) in (0..12).zip([1.5, 3.0, 6.0].into_iter().cycle()) {
         let mut random = generator(seed, 49);
         let mut table = Layout::new(1, 60, 1).table(&mut random, |_| 0.0);
@@ -267,10 +267,10 @@ fn a_warm_up_within_the_first_stops_is_no_slip() {
     }
 }
 
-/// Readings in whole micrometres, three at each stop, all alike but one, which is a digit off: it was a slip of 72 times its variance,
+/// Readings in whole micrometres, three at each stop, all alike but one, which is a digit off: it was a gross error of 72 times its variance,
 /// since the means of stops have finer steps than readings.
 #[test]
-fn the_last_digit_is_no_slip() {
+fn the_last_digit_is_no_gross_error() {
     let mut random = generator(1, 50);
     let mut table = Layout::new(1, 20, 1).table(&mut random, |_| 0.0);
     thrice(&mut table, |row, value_um| {
@@ -298,10 +298,10 @@ fn one_stop_says_that_cycles_are_missing() {
     );
 }
 
-/// Tables in order and tables with slips: how many lose readings, and which.
+/// Tables in order and tables with gross errors: how many lose readings, and which.
 #[test]
 #[ignore = "a study of some minutes"]
-fn study_of_slips() {
+fn study_of_gross_errors() {
     let (mut tables, mut alarms) = (0, 0);
     for stops in [1, 2, 3, 4, 5, 9, 17, 33] {
         for cycles in 1..=10 {
@@ -323,7 +323,7 @@ fn study_of_slips() {
                 let off = off_um(&mut random);
                 !rows(&found(layout.table(&mut random, |row| off[row]))).is_empty()
             };
-            (0..SLIPS as u64).filter(loses).count()
+            (0..TABLES as u64).filter(loses).count()
         };
         let walks = losing(&|random| {
             let mut at = 0.0;
@@ -345,7 +345,7 @@ fn study_of_slips() {
             course.map(|x| 10.0 * (turns * x).sin()).collect()
         });
         report(&format!(
-            "{layout:?}: of {SLIPS} lose readings: walk {walks}, warm-up {warms_up}, swing {swings}"
+            "{layout:?}: of {TABLES} lose readings: walk {walks}, warm-up {warms_up}, swing {swings}"
         ));
     }
     for layout in LAYOUTS {
@@ -354,16 +354,19 @@ fn study_of_slips() {
                 continue;
             }
             let of_size = |size_um: f64| {
-                let tables = (0..SLIPS as u64).map(|seed| left_out(layout, count, size_um, seed));
+                let tables = (0..TABLES as u64).map(|seed| left_out(layout, count, size_um, seed));
                 let add = |sum: (usize, usize), of: (usize, usize)| (sum.0 + of.0, sum.1 + of.1);
                 let (rightly, wrongly) = tables.fold((0, 0), add);
                 format!(
                     "{size_um}: {rightly} of {}, wrongly {wrongly}",
-                    count * SLIPS
+                    count * TABLES
                 )
             };
             let sizes: Vec<String> = [8.0, 15.0, 30.0].into_iter().map(of_size).collect();
-            report(&format!("{layout:?}, {count} slips: {}", sizes.join("; ")));
+            report(&format!(
+                "{layout:?}, {count} gross errors: {}",
+                sizes.join("; ")
+            ));
         }
     }
 }
@@ -371,8 +374,8 @@ fn study_of_slips() {
 /// Tables of each layout in order.
 const CLEAN: u64 = 5;
 
-/// Tables of each layout, number and size of slips.
-const SLIPS: usize = 40;
+/// Tables of each layout, number and size of gross errors.
+const TABLES: usize = 40;
 
 const LAYOUTS: [Layout; 13] = [
     Layout::new(1, 16, 1),

@@ -1,4 +1,4 @@
-//! Tables in which more readings are wrong than the few that a hand slips in.
+//! Tables in which more readings are wrong than the few that accidents make.
 
 use rand::RngExt;
 use rand::seq::index::sample;
@@ -43,10 +43,10 @@ fn is_doubted(found: &Diagnosis) -> bool {
     left.is_some_and(|left| left.varies_with == ["reading"])
 }
 
-/// Four to eight slips of 60 µm, in either sense, in 90 readings: 4 to 9 %, each alone. All are left out, and what is left is in order
+/// Four to eight gross errors of 60 µm, in either sense, in 90 readings: 4 to 9 %, each alone. All are left out, and what is left is in order
 /// (a clean table alarms in 2 % of cases: more than 3 of 20 with a probability of 6e-4).
 #[test]
-fn one_slip_in_twelve_is_left_out_if_each_stands_alone() {
+fn one_reading_in_twelve_is_left_out_if_each_stands_alone() {
     let mut alarms = 0;
     for seed in 0..20_u32 {
         let mut random = generator(seed.into(), 51);

@@ -18,12 +18,12 @@ fn measured(seed: u64) -> Verification {
         let noise: f64 = StandardNormal.sample(&mut random);
         let lost = if forward { -0.5 } else { 0.5 } * LOST_UM;
         let drift = 30.0 * (1.0 - (-(row as f64) / 40.0).exp());
-        let slip = if row == SLIP { 40.0 } else { 0.0 };
-        4.0 * (stop as f64).sin() + lost + drift + slip + 0.5 * noise
+        let wrong = if row == WRONG { 40.0 } else { 0.0 };
+        4.0 * (stop as f64).sin() + lost + drift + wrong + 0.5 * noise
     })
 }
 
-const SLIP: usize = 47;
+const WRONG: usize = 47;
 
 /// The same readings sorted by `key`, as lines of a file of their own; and the line of the one that is off.
 fn printed<K: Ord>(
@@ -31,9 +31,9 @@ fn printed<K: Ord>(
     key: impl Fn(&VerificationReading) -> K,
 ) -> (Verification, usize) {
     let mut printed = measured.clone();
-    let slip = printed.readings[SLIP].line;
+    let wrong = printed.readings[WRONG].line;
     printed.readings.sort_by_key(key);
-    let place = printed.readings.iter().position(|r| r.line == slip);
+    let place = printed.readings.iter().position(|r| r.line == wrong);
     for (row, reading) in printed.readings.iter_mut().enumerate() {
         reading.line = row + 2;
     }
@@ -71,7 +71,7 @@ fn printed_orders_show_what_the_measured_one_shows() {
         assert!(lost.rivals.is_empty(), "{}", summary(&expected));
         let order = |n: &&String| n.contains("time_s");
         assert_eq!(expected.notices.iter().find(order), None);
-        for (table, slip) in [
+        for (table, line) in [
             printed(&measured, |r| (is_backward(r), stop(r), r.cycle)),
             printed(&measured, |r| (stop(r), is_backward(r), r.cycle)),
             printed(&measured, |r| (is_backward(r), r.cycle, stop(r))),
@@ -80,7 +80,7 @@ fn printed_orders_show_what_the_measured_one_shows() {
             let found = found(table);
             assert_eq!(figures(&found), figures(&expected), "{}", summary(&found));
             assert_eq!(found.rejected.len(), 1);
-            assert_eq!(found.rejected[0].row, slip);
+            assert_eq!(found.rejected[0].row, line);
             let said = found.notices.iter().find(order);
             assert!(
                 said.is_some_and(|n| n.contains("ISO 230-2")),
