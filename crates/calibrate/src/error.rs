@@ -23,8 +23,8 @@ pub enum Error {
     #[error(
         "axis {axis} does not move as commanded: in {step} the points deviate by {translation_mm:.1} mm and \
          {rotation_deg:.1}° from it; check the direction, sign and unit of this axis in the campaign, its \
-         positions in the table, and that coordinates are right-handed; if all is right, the axis is to be \
-         repaired before it can be calibrated"
+         positions in the table, that coordinates are right-handed, and that nobody touched the targets; if all is \
+         right, the axis is to be repaired before it can be calibrated"
     )]
     NotThatMotion {
         /// The axis.
@@ -35,6 +35,26 @@ pub enum Error {
         translation_mm: f64,
         /// Largest component of ε there, degrees.
         rotation_deg: f64,
+    },
+    /// The targets of a run are displaced between two of its steps, and stay so.
+    #[error(
+        "axis {axis}: its targets do not move as commanded: between {between} they are displaced by up to {displaced_mm:.0} mm, \
+         and stay so; either they were moved or remounted there, or the axis jumped (encoder, drive, or positions in the \
+         table); a jump of {axis} by {jump} leaves {left_mm:.0} mm of it; {conclusion}"
+    )]
+    DisplacedOnce {
+        /// The axis.
+        axis: String,
+        /// The last step before it and the first one after it.
+        between: String,
+        /// Largest displacement of a target, mm.
+        displaced_mm: f64,
+        /// The jump of the axis that explains most of it, with its unit.
+        jump: String,
+        /// Largest displacement of a target that the jump leaves, mm.
+        left_mm: f64,
+        /// Which of the two explanations the data speak for, and what to do.
+        conclusion: &'static str,
     },
     /// More than one axis moves in a run.
     #[error(
@@ -104,6 +124,7 @@ impl Error {
             self,
             Self::NotConverged { .. }
                 | Self::NotThatMotion { .. }
+                | Self::DisplacedOnce { .. }
                 | Self::Poses(
                     Poses::NotConverged { .. }
                         | Poses::NotTrustworthy { .. }

@@ -5,6 +5,7 @@ use trueaxis_poses::{AdjustmentReport, step_in_words};
 
 use crate::Error;
 use crate::identify::context::Context;
+use crate::identify::displaced::displaced_once;
 use crate::identify::identify_axes::Identified;
 
 /// Component errors beyond these are not errors but another motion: wrong unit, sign or axis.
@@ -22,7 +23,11 @@ pub(crate) fn check_motion(context: &Context<'_>, identified: &Identified) -> Re
         let nodes = values.curve.iter().zip(&data.poses_of);
         let worst = nodes.max_by(|(a, _), (b, _)| size(a).total_cmp(&size(b)));
         if let Some((error, poses)) = worst.filter(|(error, _)| size(error) > 1.0) {
-            let step = context.poses.observations[data.poses[poses[0]].index].step;
+            let worst = &data.poses[poses[0]];
+            if let Some(displaced) = displaced_once(context, k, worst.run) {
+                return Err(displaced);
+            }
+            let step = context.poses.observations[worst.index].step;
             return Err(Error::NotThatMotion {
                 axis: context.axis(k).name().to_owned(),
                 step: step_in_words(context.campaign, step),

@@ -7,7 +7,7 @@
 mod chains;
 mod lengths;
 mod point_residuals;
-mod points;
+pub(crate) mod points;
 mod stations_known;
 
 use nalgebra::{DMatrix, DVector, Isometry3, Point3, Vector3};
@@ -80,7 +80,7 @@ fn numbers(calibration: &Calibration) -> DVector<f64> {
 
 /// A campaign with the result as it is and the derivatives of [`numbers`] by every observation, one
 /// column for each.
-struct Response {
+pub(crate) struct Response {
     stated: Calibration,
     derivatives: DMatrix<f64>,
 }
