@@ -140,7 +140,7 @@ impl Responses<'_> {
     /// to another machine.
     ///
     /// # Panics
-    /// If there is not one error for each used length.
+    /// If there are more errors than the measurement has.
     pub fn to(&mut self, errors_mm: &[f64]) -> Vec<f64> {
         self.set(errors_mm);
         let mut changes = vec![0.0; self.undisturbed.len()];

@@ -58,9 +58,9 @@ impl LoggedQuantity {
             MachineTemperature,
             MachineTemperature,
         ];
-        let known = LOGGED_COLUMNS.iter().zip(quantities);
-        let mut found = known.filter(|(column, _)| is_column(column, name));
-        found.next().map(|(_, quantity)| quantity)
+        let mut known = LOGGED_COLUMNS.iter().zip(quantities);
+        let found = known.find(|(column, _)| is_column(column, name));
+        found.map(|(_, quantity)| quantity)
     }
 }
 

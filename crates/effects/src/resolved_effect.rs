@@ -2,8 +2,10 @@
 
 use crate::catalogue::OVER_COMPENSATED;
 use crate::shape::{shape_parameter, to_file};
-use crate::{Circumstances, Displaced, Effect, Explanation, Parameter, Scene, Subject};
-use crate::{GivenEffect, GivenParameter, GivenSubject};
+use crate::{
+    Circumstances, Displaced, Effect, Explanation, GivenEffect, GivenParameter, GivenSubject,
+    Parameter, Scene, Subject,
+};
 
 /// An effect with its values; names are indices of the scene in which it was resolved.
 #[derive(Debug, Clone)]

@@ -9,17 +9,17 @@ const ELSEWHERE_MM: f64 = 10.0;
 /// Name of a target and where it was found at home, mm.
 pub type FoundTarget<'a> = (&'a str, Point3<f64>);
 
-/// A common scale of the axes from which on it is said: screws and scales, thermal expansion included, are mostly better.
+/// Least common scale of the axes that is reported: screws and scales, thermal expansion included, are mostly better.
 const COMMON_SCALE: f64 = 50e-6;
 
-/// Part of their mean by which scales that are alike differ at most.
+/// Part of their mean by which scales that are alike differ from it at most.
 const ALIKE: f64 = 0.1;
 
 /// Thermal expansion of steel, 1/K.
 const STEEL_PER_K: f64 = 11.5e-6;
 
-/// The notice about linear axes that are all longer, or shorter, than commanded alike: `scales` are by how much, relative to
-/// their length. Lengths alone do not tell the scale of the instrument from that of the machine.
+/// The notice about linear axes that are all longer, or all shorter, than commanded by the same part of their length:
+/// `scales` are these parts by the names of the axes. Lengths alone do not tell the scale of the instrument from that of the machine.
 pub fn common_scale(scales: &[(&str, f64)]) -> Option<String> {
     let mean = scales.iter().map(|(_, scale)| scale).sum::<f64>() / scales.len().max(1) as f64;
     let is_alike = |(_, scale): &(&str, f64)| (scale - mean).abs() < ALIKE * mean.abs();

@@ -108,8 +108,8 @@ impl Difference {
 }
 
 impl CalibratedMachine {
-    /// What `second`, a calibration of the same machine, has that this one has not: component errors axis by axis, then
-    /// location errors. Axes are matched by name; those that only one calibration measured are left out.
+    /// How `second`, a calibration of the same machine, differs from this one: component errors axis by axis, then location
+    /// errors. Axes are matched by name; those that only one calibration measured are left out.
     ///
     /// # Errors
     /// [`OtherReferencePoint`]: translations of two points of a stage differ by its rotations.

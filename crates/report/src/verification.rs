@@ -55,7 +55,7 @@ impl Entry {
         self.points.iter().any(|point| point.direction < 0)
     }
 
-    /// Says what the marks of its figures mean, of which the readings may be `with_u`.
+    /// Explains the marks of its figures; `with_u` says of readings that their U is shown, or is empty.
     fn add_key(&self, with_u: &str, mut add: impl FnMut(&str, &str)) {
         add("m1", &format!("read forward{with_u}"));
         if self.has_sides() {
@@ -93,6 +93,10 @@ impl Point {
             true => self.compensated_um,
             false => self.predicted_um,
         }
+    }
+
+    fn expanded_reading_um(&self) -> f64 {
+        COVERAGE * self.u_reading_um.unwrap_or(0.0)
     }
 
     fn expanded_prediction_um(&self) -> f64 {
@@ -245,8 +249,7 @@ fn figure(k: usize, entry: &Entry, rotary_axes: &[String]) -> Option<Figure> {
             .collect(),
         false => (1..).map(f64::from).zip(&entry.points).collect(),
     };
-    let u_reading = |point: &Point| COVERAGE * point.u_reading_um.unwrap_or(0.0);
-    let u_prediction = Point::expanded_prediction_um;
+    let (u_reading, u_prediction) = (Point::expanded_reading_um, Point::expanded_prediction_um);
     let [from, to] = range(numbered.iter().map(|(x, _)| *x));
     let [low, high] = range(entry.points.iter().flat_map(|point| {
         let around = |value: f64, u: f64| [value - u, value + u];
@@ -318,7 +321,7 @@ fn figure(k: usize, entry: &Entry, rotary_axes: &[String]) -> Option<Figure> {
     ))
 }
 
-/// Whether the position of an axis names a point of each side of approach.
+/// Whether an axis is at each position once from each side of approach, so that the position tells the points apart.
 fn tells_the_place(entry: &Entry, on_axis: &dyn Fn(&Point) -> f64) -> bool {
     [1, -1].into_iter().all(|side| {
         let of_side = entry.points.iter().filter(|point| point.direction == side);

@@ -1,8 +1,9 @@
 //! From a scenario to the campaign that would be measured.
 
 use nalgebra::Point3;
-use trueaxis_campaign::{Campaign, KnownDeadPath, LengthReading, Lengths, Run};
-use trueaxis_campaign::{Station, Step, Stop};
+use trueaxis_campaign::{
+    Campaign, KnownDeadPath, LengthReading, Lengths, Run, Station, Step, Stop,
+};
 use trueaxis_effects::ResolvedEffect;
 
 use crate::circumstances::{Progress, StopCircumstances};

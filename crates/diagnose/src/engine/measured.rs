@@ -85,7 +85,7 @@ pub(crate) trait Measured: Sync {
     }
 }
 
-/// Ratio from which two time constants are two.
+/// Ratio of two time constants beyond which both can be there.
 const APART: f64 = 3.0;
 
 /// Whether an effect may be there twice: what warms up, with time constants so far apart, those of a spindle and of a bed.

@@ -19,7 +19,7 @@ use crate::lengths::places::places;
 use crate::lengths::search::{Looked, looked_at};
 use crate::said::Said;
 
-/// Finds what the lengths contradict in the rigid, quasi-static model, and why, starting from the adjustment of their
+/// Finds where the lengths contradict the rigid, quasi-static model, and why, starting from the adjustment of their
 /// calibration; returns also the effects of causes and disturbances on all readings of the campaign, mm.
 pub(crate) fn diagnose_lengths(
     campaign: &Campaign,
@@ -120,7 +120,7 @@ fn notices(base: &Base<'_>) -> Vec<String> {
     let times = || base.readings.iter().map(|r| r.time_s);
     if times().all(|t| Some(t) == times().next()) {
         notices.push(
-            "all lengths have the same time_s: nothing that changes with time can be told; give times"
+            "all lengths have the same time_s: nothing that changes with time can be found; give times"
                 .to_owned(),
         );
     }

@@ -169,7 +169,7 @@ fn notices(screened: &Screened<'_>) -> Vec<String> {
     let elapsed = base.readings.all.iter().map(|r| r.elapsed_s);
     if elapsed.fold(0.0, f64::max) <= 0.0 {
         notices.push(
-            "all points have the same time_s: nothing that changes with time can be told; give times"
+            "all points have the same time_s: nothing that changes with time can be found; give times"
                 .to_owned(),
         );
     }

@@ -58,24 +58,24 @@ pub(crate) fn set_up(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
     ball_bar_set_up(&towards)
 }
 
-/// For each reading the index of its line.
+/// For each arrival the index of its line.
 pub(crate) fn lines(comparison: &Comparison<'_>) -> Vec<usize> {
     let positions = comparison.arrivals.iter().map(|a| a.positions.as_slice());
     positioning_lines(comparison.axis(), positions)
 }
 
-/// For each reading the index of the commanded position of the measured axis.
+/// For each arrival the index of the commanded position of the measured axis.
 pub(crate) fn places(comparison: &Comparison<'_>) -> Vec<usize> {
     let measured = comparison.axis();
     numbered(comparison, |a| vec![a.positions[measured]])
 }
 
-/// For each reading the index of its commanded positions of all axes.
+/// For each arrival the index of its commanded positions of all axes.
 pub(crate) fn stands(comparison: &Comparison<'_>) -> Vec<usize> {
     numbered(comparison, |a| a.positions.clone())
 }
 
-/// For each reading the index of its commanded positions and direction; the end of a circle is apart from its start.
+/// For each arrival the index of its commanded positions and direction; the end of a circle is apart from its start.
 pub(crate) fn cells(comparison: &Comparison<'_>) -> Vec<usize> {
     let key = |a: &Arrival| {
         let end = f64::from(u8::from(a.closes_circle));
@@ -84,12 +84,12 @@ pub(crate) fn cells(comparison: &Comparison<'_>) -> Vec<usize> {
     numbered(comparison, key)
 }
 
-/// For each reading the index of its cycle.
+/// For each arrival the index of its cycle.
 pub(crate) fn cycles(comparison: &Comparison<'_>) -> Vec<usize> {
     numbered(comparison, |a| vec![f64::from(a.cycle)])
 }
 
-/// For each reading the index of its cycle and direction, forward first.
+/// For each arrival the index of its cycle and direction, forward first.
 pub(crate) fn passes(comparison: &Comparison<'_>) -> Vec<usize> {
     numbered(comparison, |a| vec![f64::from(a.cycle), -a.direction])
 }
@@ -117,7 +117,7 @@ pub(crate) fn count(numbers: &[usize]) -> usize {
     numbers.iter().max().map_or(0, |last| last + 1)
 }
 
-/// How many readings have each index.
+/// How often each index is there.
 pub(crate) fn sizes(numbers: &[usize]) -> Vec<usize> {
     let mut sizes = vec![0; count(numbers)];
     numbers.iter().for_each(|&number| sizes[number] += 1);
@@ -149,7 +149,7 @@ pub(crate) fn indicators(numbers: &[usize]) -> Vec<Vec<f64>> {
     columns
 }
 
-/// The product of two columns, reading by reading.
+/// The product of two columns, row by row.
 pub(crate) fn times(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a * b).collect()
 }

@@ -23,7 +23,7 @@ pub(super) const EFFECT: Effect = Effect {
     }),
     explanation: Explanation {
         cause: "the machine was cold: spindle, drives or coolant warm its structure up",
-        consequence: "what is measured first and what is measured last see different machines",
+        consequence: "the first and the last readings are of different machines",
         action: "run the machine for three time constants before measuring, or leave out the first cycles",
         separate_by: "wait for three time constants and measure the first run again: it must not change any more",
     },

@@ -15,8 +15,9 @@ use nalgebra::Vector3;
 use trueaxis_campaign::{
     Campaign, Direction, LengthReading, Lengths, LoggedColumn, LoggedQuantity, Stop,
 };
-use trueaxis_effects::TemperatureHistory;
-use trueaxis_effects::{Circumstances, Displaced, Medium, Scene, SceneTarget, SceneTemperature};
+use trueaxis_effects::{
+    Circumstances, Displaced, Medium, Scene, SceneTarget, SceneTemperature, TemperatureHistory,
+};
 use trueaxis_kinematics::centroid;
 use trueaxis_multilateration::{Network, Solution};
 
@@ -222,7 +223,7 @@ impl Span {
     }
 }
 
-/// A feed is constant if the speeds between neighbouring stops differ by less than this part.
+/// Part of their median by which the speeds between neighbouring stops differ at most if the feed is constant.
 const CONSTANT_FEED: f64 = 0.02;
 
 /// Speed of an axis in a sweep, mm/s or rad/s with sign, if the machine may be moving there: single readings
@@ -238,7 +239,7 @@ fn speed_per_s(campaign: &Campaign, lengths: &Lengths, sweep: &[Stop], axis: usi
 }
 
 /// Speed with sign of a motion from stop to stop, given as times and positions, if nine in ten speeds between neighbours
-/// differ by less than 2 %; else 0. Zero for less than two stops.
+/// differ from their median by at most 2 %; else 0. Zero for fewer than two stops.
 pub fn constant_feed_per_s(course: &[[f64; 2]]) -> f64 {
     // Sweeps of one target each follow one another in one key: a jump back is no motion.
     let between = course.windows(2).map(|pair| {

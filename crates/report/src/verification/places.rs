@@ -2,7 +2,7 @@
 
 use trueaxis_files::decimals;
 
-use crate::numbers::{COVERAGE, fixed, signed, with_u};
+use crate::numbers::{fixed, signed, with_u};
 use crate::page::Figure;
 use crate::svg::plot::Plot;
 use crate::svg::ticks::{Ruler, range};
@@ -18,8 +18,8 @@ const APART: f64 = 0.25;
 pub(super) fn figure(k: usize, entry: &Entry, compensated: bool) -> Option<Figure> {
     let of_calibration = |point: &Point| point.expected_um(compensated);
     let u = |point: &Point| {
-        let u_reading = COVERAGE * point.u_reading_um.unwrap_or(0.0);
-        u_reading.hypot(point.expanded_prediction_um())
+        let u_prediction = point.expanded_prediction_um();
+        point.expanded_reading_um().hypot(u_prediction)
     };
     let is_same = |a: &Point, b: &Point| (a.point_mm, &a.at) == (b.point_mm, &b.at);
     let places = entry.points.chunk_by(is_same);
