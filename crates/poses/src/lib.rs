@@ -20,7 +20,8 @@
 //!   (`trueaxis-identify`, paper Eqs. 20 and 21); the paper's path;
 //! - [`Method::Six`]: the same with six of the nine.
 //!
-//! Coordinates that an instrument measured directly are moved into the datum; their poses follow from the equations.
+//! Coordinates that an instrument measured directly are moved into the datum; their poses follow from the equations,
+//! with noise that depends on place and direction as the coordinates show ([`trueaxis_screening::CoordinateNoise`]).
 //!
 //! Before that, lengths that contradict the others are removed, interrupted occupations are split, and the noise is
 //! estimated from the rest ([`trueaxis_screening::screen`]); [`AdjustmentReport`] says what was done. [`PoseTrials`]

@@ -4,6 +4,7 @@ use nalgebra::Matrix2;
 use trueaxis_campaign::{Campaign, Lengths, Points};
 use trueaxis_identify::SixRows;
 use trueaxis_kinematics::{MICROMETRE, Machine};
+use trueaxis_screening::CoordinateNoise;
 
 use crate::Error;
 use crate::lengths::LengthsAdjustment;
@@ -11,7 +12,7 @@ use crate::points::equations::{PointEquations, PointPoses, poses_from_points};
 use crate::points::noise_shown::noise_shown;
 use crate::points::report::points_report;
 use crate::points::turned_runs::turned_runs;
-use crate::points::{MeasuredPoints, points_from_coordinates, rigidity};
+use crate::points::{MeasuredPoints, noise_of_coordinates, points_from_coordinates, rigidity};
 use crate::poses::{PoseNoise, Poses};
 use crate::report::{AdjustmentReport, StepMisfit, TurnedRuns};
 use crate::residual::Residual;
@@ -153,29 +154,36 @@ fn from_points<'a>(
         method => method,
     };
     let is_undeclared = points.readings.iter().any(|r| r.sigma_um.is_none());
-    let with_repeatability = |repeatability_mm: f64| -> Result<_, Error> {
-        let by_direction = settings.by_direction;
-        let points = points_from_coordinates(campaign, points, by_direction, repeatability_mm);
+    let readings = points;
+    let with_noise = |noise: &CoordinateNoise, repeatability_mm: f64| -> Result<_, Error> {
+        let noise = (noise, repeatability_mm);
+        let (points, turn) =
+            points_from_coordinates(campaign, readings, settings.by_direction, noise);
         let found = poses_from_points(campaign, &points, method)?;
-        Ok((points, found))
+        Ok((points, found, turn))
     };
     let declared_mm = campaign.instrument.repeatability_um;
     let declared_mm = declared_mm.map(|um| um * MICROMETRE);
-    let (mut points, mut found) = with_repeatability(declared_mm.unwrap_or(0.0))?;
+    let first_mm = declared_mm.unwrap_or(0.0);
+    let (mut points, mut found, turn) = with_noise(&CoordinateNoise::EQUAL, first_mm)?;
+    let noise = noise_of_coordinates(readings, &points, &found, &turn);
+    if noise != CoordinateNoise::EQUAL {
+        (points, found, _) = with_noise(&noise, first_mm)?;
+    }
     let shown = noise_shown(
         &points,
         rigidity::total(&found),
         (!is_undeclared, declared_mm),
     );
     if let Some((variance_mm2, relative_covariance)) = shown.repeatability {
-        (points, found) = with_repeatability(variance_mm2.sqrt())?;
+        (points, found, _) = with_noise(&noise, variance_mm2.sqrt())?;
         found.poses.relative_covariance = relative_covariance;
     }
     let mut point_residuals = found.equations.residuals(&points);
     let (adjustment, mut notices) = points_report(
         campaign,
         settings.by_direction,
-        (&points, &shown),
+        (&points, &noise, &shown),
         (&found, &point_residuals),
     );
     // Undeclared noise is what the residuals show. A mistake must stand out of declared noise, which it makes fail.

@@ -15,6 +15,9 @@
 //! the lengths check each other. Where groups are steps of [`Axes`], some of these may return worse than others
 //! ([`Axes::returned`]). Lengths are mm; indices are those of the network that came in.
 //!
+//! Measured coordinates need no adjustment here; how their noise depends on place and direction is estimated
+//! ([`CoordinateNoise::estimated`]).
+//!
 //! The adjustment is that of [`trueaxis_multilateration`]. Screening uses only these quantities of its solution: the
 //! tests of all readings and visits ([`Solution::tests`]), the whitened rows of the hat matrix ([`Whitened`]), from
 //! which steps are tested, and one step towards the variance components ([`Solution::variance_components`]). A
@@ -39,6 +42,7 @@
 //! [`Whitened`]: trueaxis_multilateration::Whitened
 
 mod alike;
+mod coordinate_noise;
 mod error;
 mod estimate_noise;
 mod guard;
@@ -57,6 +61,7 @@ mod uneven;
 mod unnoticed;
 
 pub use alike::{Alike, alike};
+pub use coordinate_noise::{CoordinateNoise, Occasion, Sighting};
 pub use error::{Error, Part};
 pub use estimate_noise::{
     LEAST_DEGREES_OF_FREEDOM, LEAST_SEPARATION, NoiseBasis, NoiseEstimate, PartEstimate, TOO_GOOD,

@@ -11,6 +11,7 @@ mod not_as_commanded;
 mod propagation;
 mod replay;
 mod residuals_csv;
+mod tracker_points;
 mod undeclared_noise;
 mod volume;
 mod with_effects;

@@ -8,17 +8,16 @@
 //! dp = δ + ε × (p - pivot) + R dh
 //! ```
 
-use nalgebra::{
-    Isometry3, Matrix3, Matrix3x6, Point3, Rotation3, SymmetricEigen, Translation3, Vector3,
-};
+use std::collections::BTreeMap;
+
+use nalgebra::{Isometry3, Matrix3, Matrix3x6, Point3, Rotation3, Translation3, Vector3};
 use trueaxis_campaign::{Campaign, Points};
 use trueaxis_effects::{Circumstances, Displaced, ResolvedEffect, Scene};
 use trueaxis_kinematics::{Ideal, best_fit};
+use trueaxis_screening::{CoordinateNoise, Occasion, Sighting};
 use trueaxis_selection::Hypothesis;
 
 use crate::engine::disturbance::Disturbance;
-use crate::points::model::Model;
-use crate::points::noise::Noise;
 use crate::points::readings::{Reading, Readings};
 
 /// The points of a campaign about one adjustment.
@@ -31,9 +30,7 @@ pub(crate) struct Base<'a> {
     instrument_from_datum: Isometry3<f64>,
     /// Position of each point in the datum, and the centroid of the targets measured with it.
     places_mm: Vec<[Point3<f64>; 2]>,
-    /// From the instrument's frame to the directions of the rows, in which the noise differs most.
-    rows_from_instrument: Matrix3<f64>,
-    /// Measured less modelled coordinates, three for each point, along the directions of the rows, mm.
+    /// Measured less modelled coordinates, three for each point, along the directions of its rows, mm.
     pub(crate) misfit_mm: Vec<f64>,
     /// Changes of each point by its pose: translation, and rotation times an arm, mm per mm.
     pub(crate) by_pose: Vec<Matrix3x6<f64>>,
@@ -109,7 +106,6 @@ impl<'a> Base<'a> {
         let mut base = Self {
             campaign,
             scene,
-            rows_from_instrument: Matrix3::identity(),
             misfit_mm: misfit_mm.collect(),
             by_pose: by_pose(&readings, &modelled, &arms),
             by_shape: readings
@@ -126,42 +122,61 @@ impl<'a> Base<'a> {
         base
     }
 
-    /// Rotates the rows to the principal axes of what is left of them.
+    /// Rotates the rows of each point to the directions in which its noise is independent.
     fn turn_rows(&mut self) {
-        let unit = Noise {
-            own_mm: [1.0; 3],
-            return_mm: [0.0; 3],
-        };
-        let left = Model::with(self, &[], unit, None).bare.residuals;
-        let rows = left.chunks_exact(3).map(Vector3::from_column_slice);
-        let scatter: Matrix3<f64> = rows.map(|e| e * e.transpose()).sum();
-        if !scatter.iter().all(|x| x.is_finite()) {
-            return;
+        let noise = CoordinateNoise::estimated(&self.occasions());
+        let instrument_from_machine = self.instrument_from_datum.rotation.to_rotation_matrix();
+        for (i, reading) in self.readings.all.iter_mut().enumerate() {
+            let (rows, variances) = noise.at(&reading.measured_mm);
+            let declared = reading.relative;
+            reading.relative = std::array::from_fn(|k| declared[k] * variances[k].sqrt());
+            reading.rows = rows;
+            reading.rows_from_machine = rows * instrument_from_machine.matrix();
+            let own = &mut self.misfit_mm[3 * i..3 * i + 3];
+            let turned = rows * Vector3::from_column_slice(own);
+            own.copy_from_slice(turned.as_slice());
+            self.by_pose[i] = rows * self.by_pose[i];
+            self.by_shape[i] = rows * self.by_shape[i];
         }
-        let turn = SymmetricEigen::new(scatter).eigenvectors.transpose();
-        for row in self.misfit_mm.chunks_exact_mut(3) {
-            let turned = turn * Vector3::from_column_slice(row);
-            row.copy_from_slice(turned.as_slice());
-        }
-        self.by_pose.iter_mut().for_each(|by| *by = turn * *by);
-        self.by_shape.iter_mut().for_each(|by| *by = turn * *by);
-        self.rows_from_instrument = turn;
     }
 
-    /// A vector in the instrument's frame along the directions of the rows.
-    pub(crate) fn in_rows(&self, v: Vector3<f64>) -> Vector3<f64> {
-        self.rows_from_instrument * v
+    /// What says how the noise of the coordinates depends on place and direction.
+    fn occasions(&self) -> Vec<Occasion> {
+        let mut of = BTreeMap::new();
+        for (visit, stop) in self.readings.stops.iter().enumerate() {
+            for i in stop.clone() {
+                let reading = &self.readings.all[i];
+                let Some(pose) = reading.pose else { continue };
+                let occasion = of.entry((pose, reading.side > 0.0));
+                let occasion = occasion.or_insert_with(|| Occasion {
+                    rotation: self.by_shape[i],
+                    sightings: Vec::new(),
+                });
+                occasion.sightings.push(Sighting {
+                    visit,
+                    target: reading.shape,
+                    sigma: reading.relative[0],
+                    point_mm: reading.measured_mm,
+                    misfit_mm: Vector3::from_column_slice(&self.misfit_mm[3 * i..3 * i + 3]),
+                });
+            }
+        }
+        of.into_values().collect()
+    }
+
+    /// A vector in the instrument's frame along the rows of a point.
+    pub(crate) fn in_rows(&self, i: usize, v: Vector3<f64>) -> Vector3<f64> {
+        self.readings.all[i].rows * v
     }
 
     /// The rows of a point as a vector in the instrument's frame.
-    pub(crate) fn of_rows(&self, row: &[f64]) -> Vector3<f64> {
-        self.rows_from_instrument.transpose() * Vector3::from_column_slice(row)
+    pub(crate) fn of_rows(&self, i: usize, row: &[f64]) -> Vector3<f64> {
+        self.readings.all[i].rows.transpose() * Vector3::from_column_slice(row)
     }
 
-    /// From the directions of the rows to the reference frame.
-    pub(crate) fn reference_from_rows(&self) -> Matrix3<f64> {
-        let turn = self.instrument_from_datum.rotation.to_rotation_matrix();
-        (self.rows_from_instrument * turn.matrix()).transpose()
+    /// From the rows of a point to the reference frame.
+    pub(crate) fn reference_from_rows(&self, i: usize) -> Matrix3<f64> {
+        self.readings.all[i].rows_from_machine.transpose()
     }
 
     /// The circumstances of a point.
@@ -170,7 +185,7 @@ impl<'a> Base<'a> {
         let [point_mm, centroid_mm] = self.places_mm[i];
         // The actual rotation, not the nominal one: a displacement out of the plane of three targets, which rotates
         // with them, is then part of the poses, and none of it can appear in place of the errors of their angles.
-        let stage = self.reference_from_rows() * self.by_shape[i];
+        let stage = self.reference_from_rows(i) * self.by_shape[i];
         Circumstances {
             machine: &self.scene.machine,
             time_s: reading.time_s,
@@ -209,7 +224,7 @@ impl<'a> Base<'a> {
             let at = self.at(i);
             for (k, column) in columns.iter_mut().enumerate() {
                 let shown_mm = self.shown_mm(&effect.form(subject, k, shape, &at));
-                column.extend(self.in_rows(shown_mm).iter());
+                column.extend(self.in_rows(i, shown_mm).iter());
             }
         }
         columns

@@ -94,7 +94,7 @@ impl Base<'_> {
         let subject = wanderer.subject();
         wanderer.columns(self.scene, &self.here(), |i, coordinates| {
             let moved = coordinate::moved(coordinates, &subject, &self.at(i));
-            let in_rows = |moved| self.in_rows(self.shown_mm(moved)).into();
+            let in_rows = |moved| self.in_rows(i, self.shown_mm(moved)).into();
             moved.iter().map(in_rows).collect()
         })
     }

@@ -18,10 +18,9 @@ pub(crate) fn fitted(
     let others = model.suspects.iter();
     let others = others.filter(|s| !s.hypothesis.is(&suspect.hypothesis));
     let without = base.adjust_near(model, others.cloned().collect())?;
-    let reference_from_rows = base.reference_from_rows();
     let in_mm = |model: &Model| {
         let mut residuals = model.projection.residuals.clone();
-        model.noise.colour(&base.readings, &mut residuals);
+        model.colour(base, &mut residuals);
         residuals
     };
     let (misfits_mm, left_mm) = (in_mm(&without), in_mm(model));
@@ -31,13 +30,15 @@ pub(crate) fn fitted(
         .iter()
         .enumerate()
         .flat_map(|(i, reading)| {
+            let reference_from_rows = base.reference_from_rows(i);
             let in_um = |all_mm: &[f64]| {
                 let of_point = Vector3::from_column_slice(&all_mm[3 * i..3 * i + 3]);
                 reference_from_rows * of_point / MICROMETRE
             };
             let (misfit, left) = (in_um(&misfits_mm), in_um(&left_mm));
-            let variances = Vector3::from(model.noise.variances_mm2(reading));
-            let squares = reference_from_rows.component_mul(&reference_from_rows) * variances;
+            let own = Vector3::from(model.noise.own_variances_mm2(reading));
+            let own = reference_from_rows.component_mul(&reference_from_rows) * own;
+            let squares = own + Vector3::from(model.noise.return_variances_mm2(reading));
             let positions = &base.campaign.steps[reading.step].positions;
             let moving = reading.axis.map(|axis| (axis, positions[axis]));
             (0..3).map(move |k| Row {

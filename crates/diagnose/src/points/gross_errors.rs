@@ -107,7 +107,7 @@ pub(crate) fn stand_out(base: &Base<'_>, model: &Model) -> Vec<Gross> {
                 for i in wrong.clone() {
                     column[3 * (i - stop.start) + k] = 1.0;
                 }
-                model.noise.whiten_stop(points, &mut column, 1.0);
+                model.whitening[stop_number].apply(&mut column);
                 column
             };
             let columns: Vec<Vec<f64>> = (0..3).map(column).collect();

@@ -10,12 +10,14 @@ use trueaxis_selection::{Fit, Projection};
 
 use crate::engine::{Suspect, Wanders};
 use crate::points::base::{Base, of_pose};
-use crate::points::noise::Noise;
+use crate::points::noise::{Noise, StopWhitening};
 use crate::points::readings::Reading;
 
 /// An adjusted model.
 pub(crate) struct Model {
     pub(crate) noise: Noise,
+    /// The whitening of each stop.
+    pub(crate) whitening: Arc<Vec<StopWhitening>>,
     /// Weight of each stop: 1, or practically none if it is held out.
     weights: Vec<f64>,
     /// The base model, with disturbances in its covariance.
@@ -42,9 +44,13 @@ impl Model {
             _ => 1.0,
         };
         let weights: Vec<f64> = (0..base.readings.stops.len()).map(weight).collect();
-        let bare = eliminated(base, noise, &weights);
+        let whitening = noise.whitening(&base.readings);
+        let bare = eliminated(base, |column| {
+            whiten(base, (&whitening, &weights), column);
+        });
         let mut model = Self {
             noise,
+            whitening: Arc::new(whitening),
             weights,
             projection: bare.clone(),
             bare,
@@ -71,13 +77,19 @@ impl Model {
 
     /// Whitens one column.
     pub(crate) fn whiten(&self, base: &Base<'_>, column: &mut [f64]) {
-        self.noise.whiten(&base.readings, column, &self.weights);
+        whiten(base, (&self.whitening, &self.weights), column);
+    }
+
+    /// Undoes the whitening of coordinates of full weight: mm.
+    pub(crate) fn colour(&self, base: &Base<'_>, column: &mut [f64]) {
+        StopWhitening::colour_all(&self.whitening, &base.readings, column);
     }
 
     /// The same with another projection and without causes.
     pub(crate) fn with_projection(&self, projection: Projection) -> Self {
         Self {
             noise: self.noise,
+            whitening: self.whitening.clone(),
             weights: self.weights.clone(),
             bare: self.bare.clone(),
             projection,
@@ -141,11 +153,20 @@ pub(crate) fn left_of(projection: &Projection, first: usize, columns: &[Vec<f64>
 /// Eigenvalue of a normal matrix of columns of unit length below which the data do not determine a combination.
 const DETERMINED: f64 = 1e-10;
 
+/// Whitens a column stop by stop, with a weight for each.
+fn whiten(base: &Base<'_>, (whitening, weights): (&[StopWhitening], &[f64]), column: &mut [f64]) {
+    let stops = base.readings.stops.iter().zip(whitening).zip(weights);
+    for ((stop, whitening), weight) in stops {
+        let rows = &mut column[3 * stop.start..3 * stop.end];
+        whitening.apply(rows);
+        rows.iter_mut().for_each(|row| *row *= weight);
+    }
+}
+
 /// Projects out poses and shapes.
-fn eliminated(base: &Base<'_>, noise: Noise, weights: &[f64]) -> Projection {
+fn eliminated(base: &Base<'_>, whiten: impl Fn(&mut Vec<f64>)) -> Projection {
     let readings = &base.readings;
     let rows = 3 * readings.all.len();
-    let whiten = |column: &mut Vec<f64>| noise.whiten(readings, column, weights);
     let mut residuals = base.misfit_mm.clone();
     whiten(&mut residuals);
     let own = (0..6).map(|k| {
@@ -165,7 +186,7 @@ fn eliminated(base: &Base<'_>, noise: Noise, weights: &[f64]) -> Projection {
             (0..3).for_each(|row| column[3 * i + row] = by[(row, k)]);
         }
     }
-    shapes.iter_mut().for_each(whiten);
+    shapes.iter_mut().for_each(&whiten);
     let length = |column: &Vec<f64>| column.iter().map(|x| x * x).sum::<f64>().sqrt();
     let lengths: Vec<f64> = shapes.iter().map(length).collect();
 

@@ -1,84 +1,118 @@
 //! The noise of the points and their whitening, stop by stop.
 //!
-//! With `w` the declared standard deviations of the points of one stop in relative units, the coordinates along each
-//! direction have the covariance `C = σ² diag(w²) + σ_m² 1 1ᵀ`; its part of rank one lets `C^-½` take only a few
-//! operations for each point. The three directions are those of [`Base`](crate::points::base::Base): an instrument
-//! that measures angles is worse across its beam than along it.
+//! The coordinates of a stop have the covariance `C = D + Σ ρ_k² u_k u_kᵀ`: along the rows of each point its own noise,
+//! independent (`D`; [`trueaxis_screening::CoordinateNoise`] says along which directions, and in which ratio), and the
+//! machine's repeatability along its axes, common to all points of the stop (`u_k`: that axis along the rows of each). Its
+//! parts of rank one are taken out one after the other, which takes only a few operations for each point:
+//!
+//! ```text
+//! W C Wᵀ = 1     W = P_3 P_2 P_1 D^-½     P_k = 1 - (1 - 1/√(1 + v_kᵀv_k)) v_k v_kᵀ / v_kᵀv_k     v_k = ρ_k P_{k-1} .. P_1 D^-½ u_k
+//! ```
+
+use nalgebra::Vector3;
+use trueaxis_leastsquares::dot;
 
 use crate::points::readings::{Reading, Readings};
 
-/// The noise of the coordinates along each direction, mm.
+/// The noise of the coordinates, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Noise {
-    /// Standard deviation where 1 µm, or nothing, is declared.
+    /// Standard deviation along each row of a point where 1 µm, or nothing, is declared, for one of the usual direction
+    /// and place.
     pub(crate) own_mm: [f64; 3],
-    /// Standard deviation of the machine's repeatability.
+    /// Standard deviation of the machine's repeatability along each of its axes.
     pub(crate) return_mm: [f64; 3],
 }
 
+/// The whitening of the coordinates of one stop.
+#[derive(Debug, Clone)]
+pub(crate) struct StopWhitening {
+    /// Of the own noise of each coordinate, mm.
+    sigmas_mm: Vec<f64>,
+    /// `v_k`.
+    common: [Vec<f64>; 3],
+    /// `v_kᵀv_k`.
+    squares: [f64; 3],
+}
+
+impl StopWhitening {
+    /// Multiplies coordinates by `W`.
+    pub(crate) fn apply(&self, rows: &mut [f64]) {
+        rows.iter_mut()
+            .zip(&self.sigmas_mm)
+            .for_each(|(row, sigma)| *row /= sigma);
+        (0..3).for_each(|k| self.take_out(k, rows));
+    }
+
+    fn take_out(&self, k: usize, rows: &mut [f64]) {
+        let square = self.squares[k];
+        if square > 0.0 {
+            let share = (1.0 - 1.0 / (1.0 + square).sqrt()) / square;
+            add(-share * dot(&self.common[k], rows), &self.common[k], rows);
+        }
+    }
+
+    /// Multiplies whitened coordinates by `W⁻¹`: mm.
+    fn colour(&self, rows: &mut [f64]) {
+        for (common, square) in self.common.iter().zip(self.squares).rev() {
+            if square > 0.0 {
+                let share = ((1.0 + square).sqrt() - 1.0) / square;
+                add(share * dot(common, rows), common, rows);
+            }
+        }
+        rows.iter_mut()
+            .zip(&self.sigmas_mm)
+            .for_each(|(row, sigma)| *row *= sigma);
+    }
+
+    /// The whitened own noise of a coordinate.
+    pub(crate) fn own(&self, row: usize) -> Vec<f64> {
+        let mut column = vec![0.0; self.sigmas_mm.len()];
+        column[row] = self.sigmas_mm[row];
+        self.apply(&mut column);
+        column
+    }
+}
+
+fn add(factor: f64, of: &[f64], to: &mut [f64]) {
+    to.iter_mut()
+        .zip(of)
+        .for_each(|(to, of)| *to += factor * of);
+}
+
 impl Noise {
-    /// Multiplies coordinates of all points by `C^-½` of their stop, and by `weight` of the stop.
-    pub(crate) fn whiten(&self, readings: &Readings, column: &mut [f64], weight: &[f64]) {
-        for (stop, weight) in readings.stops.iter().zip(weight) {
-            let rows = &mut column[3 * stop.start..3 * stop.end];
-            self.whiten_stop(&readings.all[stop.clone()], rows, *weight);
-        }
+    /// The whitening of each stop.
+    pub(crate) fn whitening(&self, readings: &Readings) -> Vec<StopWhitening> {
+        let stops = readings.stops.iter();
+        let of_stop = |stop: &std::ops::Range<usize>| self.of_stop(&readings.all[stop.clone()]);
+        stops.map(of_stop).collect()
     }
 
-    /// The same for the points of one stop.
-    pub(crate) fn whiten_stop(&self, points: &[Reading], rows: &mut [f64], weight: f64) {
-        for direction in 0..3 {
-            let return_mm = self.return_of_mm(points, direction);
-            let unit = |k: usize| points[k].weight * self.own_mm[direction];
-            let squares = (0..points.len()).map(|k| (return_mm / unit(k)).powi(2));
-            let squares: f64 = squares.sum();
-            // The share that is taken from the common part of the points.
-            let goes = match squares > 0.0 {
-                true => (1.0 - 1.0 / (1.0 + squares).sqrt()) / squares,
-                false => 0.0,
-            };
-            let mut common = 0.0;
-            for k in 0..points.len() {
-                let row = &mut rows[3 * k + direction];
-                *row *= weight / unit(k);
-                common += *row * return_mm / unit(k);
-            }
-            for k in 0..points.len() {
-                rows[3 * k + direction] -= goes * common * return_mm / unit(k);
-            }
+    fn of_stop(&self, points: &[Reading]) -> StopWhitening {
+        let sigmas = points
+            .iter()
+            .flat_map(|r| self.own_variances_mm2(r).map(f64::sqrt));
+        let mut whitening = StopWhitening {
+            sigmas_mm: sigmas.collect(),
+            common: Default::default(),
+            squares: [0.0; 3],
+        };
+        for k in 0..3 {
+            let mut common = self.returns(points, k);
+            whitening.apply(&mut common);
+            whitening.squares[k] = dot(&common, &common);
+            whitening.common[k] = common;
         }
+        whitening
     }
 
-    /// Undoes the whitening of coordinates of full weight, by `C^½`: mm.
-    pub(crate) fn colour(&self, readings: &Readings, column: &mut [f64]) {
-        for stop in &readings.stops {
-            let points = &readings.all[stop.clone()];
-            let rows = &mut column[3 * stop.start..3 * stop.end];
-            for direction in 0..3 {
-                let return_mm = self.return_of_mm(points, direction);
-                let unit = |k: usize| points[k].weight * self.own_mm[direction];
-                let relative = |k: usize| return_mm / unit(k);
-                let squares: f64 = (0..points.len()).map(|k| relative(k).powi(2)).sum();
-                let comes = match squares > 0.0 {
-                    true => ((1.0 + squares).sqrt() - 1.0) / squares,
-                    false => 0.0,
-                };
-                let along = |k: usize| rows[3 * k + direction] * relative(k);
-                let common: f64 = (0..points.len()).map(along).sum();
-                for k in 0..points.len() {
-                    let row = &mut rows[3 * k + direction];
-                    *row = unit(k) * (*row + comes * common * relative(k));
-                }
-            }
-        }
-    }
-
-    /// Repeatability along a direction for the points of a stop; targets on the bed have none.
-    fn return_of_mm(&self, points: &[Reading], direction: usize) -> f64 {
-        match points.first() {
-            Some(reading) if reading.pose.is_none() => 0.0,
-            _ => self.return_mm[direction],
-        }
+    /// The coordinates of a stop for one standard deviation of the machine's repeatability along an axis, mm.
+    pub(crate) fn returns(&self, points: &[Reading], axis: usize) -> Vec<f64> {
+        let of_point = |r: &Reading| {
+            let axis_in_rows: Vector3<f64> = r.rows_from_machine.column(axis).into();
+            <[f64; 3]>::from(axis_in_rows * self.return_variances_mm2(r)[axis].sqrt())
+        };
+        points.iter().flat_map(of_point).collect()
     }
 
     /// The largest relative change of a variance; one that is now zero does not count. A variance held by a bound has
@@ -92,21 +126,35 @@ impl Noise {
         changes.fold(0.0, f64::max)
     }
 
-    /// Variance of a point along each direction, mm².
-    pub(crate) fn variances_mm2(&self, reading: &Reading) -> [f64; 3] {
-        let repeatability = |k: usize| reading.pose.map_or(0.0, |_| self.return_mm[k].powi(2));
-        std::array::from_fn(|k| (reading.weight * self.own_mm[k]).powi(2) + repeatability(k))
+    /// Variances of a point's own noise along its rows, mm².
+    pub(crate) fn own_variances_mm2(&self, reading: &Reading) -> [f64; 3] {
+        std::array::from_fn(|k| (reading.relative[k] * self.own_mm[k]).powi(2))
+    }
+
+    /// Variances of its repeatability along the machine's axes, mm²; targets on the bed have none.
+    pub(crate) fn return_variances_mm2(&self, reading: &Reading) -> [f64; 3] {
+        let is_moved = reading.pose.is_some();
+        self.return_mm
+            .map(|sigma| if is_moved { sigma * sigma } else { 0.0 })
     }
 
     /// Standard deviation of a coordinate, mean over the points, µm.
     pub(crate) fn mean_um(&self, readings: &Readings) -> f64 {
-        let squares = |of: [f64; 3]| of.iter().map(|x| x * x).sum::<f64>() / 3.0;
         let variance = |r: &Reading| {
-            let of_repeatability = r.pose.map_or(0.0, |_| squares(self.return_mm));
-            r.weight * r.weight * squares(self.own_mm) + of_repeatability
+            let of = self.own_variances_mm2(r).into_iter();
+            of.chain(self.return_variances_mm2(r)).sum::<f64>() / 3.0
         };
         let sum: f64 = readings.all.iter().map(variance).sum();
         (sum / readings.all.len().max(1) as f64).sqrt() * 1e3
+    }
+}
+
+impl StopWhitening {
+    /// Undoes the whitening of all stops.
+    pub(crate) fn colour_all(all: &[Self], readings: &Readings, column: &mut [f64]) {
+        for (stop, own) in readings.stops.iter().zip(all) {
+            own.colour(&mut column[3 * stop.start..3 * stop.end]);
+        }
     }
 }
 

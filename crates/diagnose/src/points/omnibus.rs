@@ -33,9 +33,9 @@ pub(crate) fn families(base: &Base<'_>, model: &Model) -> Vec<Family> {
             None => Vector3::ith(motion, *x),
             Some(about) => Vector3::ith(about, *x).cross(&(arm / arm_mm)),
         };
-        let points = course.iter().zip(&arms).map(of_point);
+        let points = course.iter().zip(&arms).map(of_point).enumerate();
         points
-            .flat_map(|v| <[f64; 3]>::from(base.in_rows(v)))
+            .flat_map(|(i, v)| <[f64; 3]>::from(base.in_rows(i, v)))
             .collect()
     };
     let family = |varies_with, courses: Vec<Vec<f64>>, motions: usize| {

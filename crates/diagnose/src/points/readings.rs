@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use nalgebra::Point3;
+use nalgebra::{Matrix3, Point3};
 use trueaxis_campaign::{Campaign, Points, Stop};
 use trueaxis_poses::constant_feed_per_s;
 
@@ -37,8 +37,12 @@ pub(crate) struct Reading {
     pub(crate) pose: Option<usize>,
     /// Index in the shapes of all stages.
     pub(crate) shape: usize,
-    /// Standard deviation of a coordinate as declared, relative to 1 µm.
-    pub(crate) weight: f64,
+    /// From the instrument's frame to the directions of its rows.
+    pub(crate) rows: Matrix3<f64>,
+    /// From the machine's axes to the same.
+    pub(crate) rows_from_machine: Matrix3<f64>,
+    /// Standard deviations along its rows as declared or shown, relative to 1 µm.
+    pub(crate) relative: [f64; 3],
     /// Measured position, in the instrument's frame, mm.
     pub(crate) measured_mm: Point3<f64>,
 }
@@ -119,7 +123,9 @@ impl Readings {
                         carrier,
                         pose,
                         shape,
-                        weight: reading.sigma_um.unwrap_or(1.0),
+                        rows: Matrix3::identity(),
+                        rows_from_machine: Matrix3::identity(),
+                        relative: [reading.sigma_um.unwrap_or(1.0); 3],
                         measured_mm: reading.position_mm,
                     });
                 }

@@ -186,7 +186,7 @@ fn corrected(
     let base = &screened.base;
     let mut moved_mm = vec![Vector3::zeros(); points.readings.len()];
     for (i, reading) in base.readings.all.iter().enumerate() {
-        let wandered_mm = base.of_rows(&wandered_mm[3 * i..3 * i + 3]);
+        let wandered_mm = base.of_rows(i, &wandered_mm[3 * i..3 * i + 3]);
         moved_mm[reading.number] = base.effect_mm(i, effects) + wandered_mm;
     }
     let mut moved = points.clone();

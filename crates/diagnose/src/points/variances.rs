@@ -10,7 +10,7 @@
 //! Noise is the same in all directions unless Bartlett's test says otherwise (*Proceedings of the Royal Society* A 160,
 //! 268, 1937): fewer variances are known better.
 
-use trueaxis_leastsquares::chi_squared_upper_tail;
+use trueaxis_leastsquares::{chi_squared_upper_tail, dot};
 
 use crate::engine::rms;
 use crate::points::base::Base;
@@ -137,34 +137,24 @@ impl Model {
 
     /// The points and the machine's repeatability.
     fn parts(&self, base: &Base<'_>) -> [Part; 2] {
-        let (mut points, mut of_repeatability) = (Part::default(), Part::default());
+        let mut parts = [Part::default(); 2];
         let e = &self.projection.residuals;
-        for (row, e) in e.iter().enumerate() {
-            let of = &mut points.0[row % 3];
-            *of = (of.0 + e * e, of.1 + self.left_of_row(row));
-        }
-        for stop in &base.readings.stops {
-            let readings = &base.readings.all[stop.clone()];
-            if readings[0].pose.is_none() {
-                continue;
-            }
-            for direction in 0..3 {
-                let return_mm = self.noise.return_mm[direction];
-                let mut column = vec![0.0; 3 * stop.len()];
-                (0..stop.len()).for_each(|k| column[3 * k + direction] = return_mm);
-                self.noise.whiten_stop(readings, &mut column, 1.0);
-                let first = 3 * stop.start;
-                let along: f64 = column.iter().zip(&e[first..]).map(|(u, e)| u * e).sum();
-                let (squares, left) = (
-                    along * along,
-                    left_of(&self.projection, first, &[column])[0],
-                );
-                for (part, sign) in [(&mut of_repeatability, 1.0), (&mut points, -1.0)] {
-                    let of = &mut part.0[direction];
-                    *of = (of.0 + sign * squares, of.1 + sign * left);
-                }
+        for (stop, whitening) in base.readings.stops.iter().zip(self.whitening.iter()) {
+            let points = &base.readings.all[stop.clone()];
+            let own = (0..3 * points.len()).map(|row| (0, row % 3, whitening.own(row)));
+            let returns = (0..3).map(|k| {
+                let mut column = self.noise.returns(points, k);
+                whitening.apply(&mut column);
+                (1, k, column)
+            });
+            let first = 3 * stop.start;
+            for (part, direction, column) in own.chain(returns) {
+                let along = dot(&column, &e[first..first + column.len()]);
+                let left = left_of(&self.projection, first, &[column])[0];
+                let of = &mut parts[part].0[direction];
+                *of = (of.0 + along * along, of.1 + left);
             }
         }
-        [points, of_repeatability]
+        parts
     }
 }

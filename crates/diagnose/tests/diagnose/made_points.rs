@@ -38,6 +38,8 @@ pub(crate) struct Plan {
     pub(crate) bed: bool,
     /// Noise along each direction of the instrument, relatively.
     pub(crate) unlike: [f64; 3],
+    /// Standard deviation of the two angles of an instrument, rad; `noise_mm` is then that of its distances.
+    pub(crate) angles: Option<f64>,
     /// Standard deviation of a coordinate and of the machine's repeatability, mm.
     pub(crate) noise_mm: f64,
     pub(crate) return_mm: f64,
@@ -51,6 +53,7 @@ impl Plan {
         targets: 3,
         bed: false,
         unlike: [1.0; 3],
+        angles: None,
         noise_mm: 1e-3,
         return_mm: 1e-3,
     };
@@ -348,11 +351,16 @@ pub(crate) fn made(plan: &Plan, hidden: &[Hidden], seed: u64) -> Campaign {
                 let (gone, turned) = strayed(hidden, tau);
                 seen = Rotation3::new(turned).inverse() * (seen - gone);
             }
+            let mut noise = vector(plan.noise_mm).component_mul(&Vector3::from(plan.unlike));
+            if let Some(angles) = plan.angles {
+                let (beam, distance_mm) = (seen.coords.normalize(), seen.coords.norm());
+                let along = beam * beam.dot(&noise);
+                noise = along + (noise - along) / plan.noise_mm * angles * distance_mm;
+            }
             points.readings.push(PointReading {
                 time_s: clock_s,
                 target,
-                position_mm: seen
-                    + vector(plan.noise_mm).component_mul(&Vector3::from(plan.unlike)),
+                position_mm: seen + noise,
                 sigma_um: None,
                 line: points.readings.len() + 2,
             });

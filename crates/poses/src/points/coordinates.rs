@@ -2,14 +2,12 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use nalgebra::{DMatrix, Matrix2, Point3, Vector3};
+use nalgebra::{DMatrix, Matrix2, Matrix3, Point3, Vector3};
 use trueaxis_campaign::{Campaign, Direction, Points};
 use trueaxis_kinematics::{Ideal, MICROMETRE, best_fit};
+use trueaxis_screening::CoordinateNoise;
 
-use crate::points::{GroupReading, MeasuredPoints, PointGroup, PointNoise};
-
-/// Standard deviation of a coordinate where none is declared: it only makes weights equal.
-const UNDECLARED_SIGMA_MM: f64 = 1e-3;
+use crate::points::{GroupReading, MeasuredPoints, PointGroup, PointNoise, UNDECLARED_SIGMA_UM};
 
 /// One target's readings at one step.
 #[derive(Default)]
@@ -20,7 +18,7 @@ struct Sample {
 struct SampleReading {
     reading: usize,
     visit: usize,
-    /// 1/mm².
+    /// 1 over the declared variance, 1/mm².
     weight: f64,
     position_mm: Vector3<f64>,
 }
@@ -35,89 +33,94 @@ impl Sample {
         places.sum::<Vector3<f64>>() / self.weight()
     }
 
-    /// The readings of the target at `place`, relative to their mean; both are in the instrument's frame.
-    fn off_mean(&self, place: usize, repeatability_variance_mm2: f64) -> Vec<GroupReading> {
+    /// The readings of the target at `place`, whose noise has the covariance `relative` in units of the declared
+    /// variance, relative to their mean.
+    fn off_mean(
+        &self,
+        place: usize,
+        relative: &Matrix3<f64>,
+        datum_from_instrument: &Matrix3<f64>,
+    ) -> Vec<GroupReading> {
         let (mean, sum) = (self.mean(), self.weight());
         let reading = |r: &SampleReading| GroupReading {
             reading: r.reading,
             visit: r.visit,
             place,
-            weight: r.weight,
+            own_mm2: relative / r.weight,
             share: r.weight / sum,
-            variance_mm2: 1.0 / r.weight + repeatability_variance_mm2,
-            off_mean_mm: r.position_mm - mean,
+            off_mean_mm: datum_from_instrument * (r.position_mm - mean),
         };
         self.readings.iter().map(reading).collect()
     }
 }
 
-/// The averaged points in the datum. Readings of one visit share an error of this repeatability.
+/// The averaged points in the datum, and the rotation into it from the instrument's frame. Their noise depends on place
+/// and direction as `noise` says; readings of one visit share an error of this repeatability.
 pub(crate) fn points_from_coordinates(
     campaign: &Campaign,
     points: &Points,
     by_direction: bool,
-    repeatability_mm: f64,
-) -> MeasuredPoints {
-    let repeatability_variance_mm2 = repeatability_mm * repeatability_mm;
-    let mut nominal_mm: Vec<Point3<f64>> = Vec::new();
-    let mut noise = PointNoise::default();
-    let mut instrument = PointNoise::default();
-    let mut groups: Vec<PointGroup> = Vec::new();
-    let mut readings: Vec<Vec<GroupReading>> = Vec::new();
+    (noise, repeatability_mm): (&CoordinateNoise, f64),
+) -> (MeasuredPoints, Matrix3<f64>) {
     let all = samples_of_steps(points, by_direction).into_iter();
     // Targets on the bed have no pose and no repeatability, and their campaign positions are only rough.
     let in_runs = all.filter(|(step, ..)| campaign.steps[*step].run.is_some());
-    for (step, direction, samples) in in_runs {
-        let positions = &campaign.steps[step].positions;
-        let mut of_group = Vec::new();
-        for (place, (&target, sample)) in samples.iter().enumerate() {
+    let steps: Vec<StepSamples> = in_runs.collect();
+    let (mut nominal_mm, mut found_mm) = (Vec::new(), Vec::new());
+    for (step, _, samples) in &steps {
+        for (&target, sample) in samples {
+            let positions = &campaign.steps[*step].positions;
             let target = &campaign.targets[target];
-            let position =
-                campaign
-                    .machine
-                    .position(&Ideal, target.carrier, positions, target.home_mm);
-            nominal_mm.push(position);
-            of_group.extend(sample.off_mean(place, repeatability_variance_mm2));
+            let machine = &campaign.machine;
+            nominal_mm.push(machine.position(&Ideal, target.carrier, positions, target.home_mm));
+            found_mm.push(Point3::from(sample.mean()));
         }
-        readings.push(of_group);
-        let all: Vec<&Sample> = samples.values().collect();
+    }
+    let datum_from_instrument = best_fit(&found_mm, &nominal_mm);
+    let turn = datum_from_instrument.rotation.to_rotation_matrix();
+    let turn = turn.into_inner();
+    let variance_mm2 = repeatability_mm * repeatability_mm;
+    let mut measured = MeasuredPoints {
+        groups: Vec::new(),
+        noise: PointNoise::default(),
+        instrument: PointNoise::default(),
+        relative_covariance: Matrix2::zeros(),
+        readings: Vec::new(),
+        repeatability_variance_mm2: variance_mm2,
+    };
+    for (step, direction, samples) in steps {
+        let covariance = |sample: &Sample| {
+            let in_instrument = noise.covariance(&Point3::from(sample.mean()));
+            turn * in_instrument * turn.transpose()
+        };
+        let relative: Vec<Matrix3<f64>> = samples.values().map(covariance).collect();
+        let of_place =
+            |(place, sample): (usize, &Sample)| sample.off_mean(place, &relative[place], &turn);
+        let readings: Vec<GroupReading> = samples.values().enumerate().flat_map(of_place).collect();
         for (noise, variance_mm2) in [
-            (&mut noise, repeatability_variance_mm2),
-            (&mut instrument, 0.0),
+            (&mut measured.noise, variance_mm2),
+            (&mut measured.instrument, 0.0),
         ] {
-            // The variance is equal in all directions, so rotating into the datum does not change it.
-            noise.own.push(covariance(&all, variance_mm2));
+            noise
+                .own
+                .push(of_means(&readings, samples.len(), variance_mm2));
             noise.coupling.push(DMatrix::zeros(3 * samples.len(), 0));
         }
-        groups.push(PointGroup {
+        measured.readings.push(readings);
+        let mean = |sample: &Sample| datum_from_instrument * Point3::from(sample.mean());
+        measured.groups.push(PointGroup {
             step,
             direction,
             targets: samples.keys().copied().collect(),
-            points_mm: all
-                .iter()
-                .map(|sample| Point3::from(sample.mean()))
-                .collect(),
+            points_mm: samples.values().map(mean).collect(),
         });
     }
-    let found: Vec<Point3<f64>> = groups.iter().flat_map(|g| g.points_mm.clone()).collect();
-    let datum_from_instrument = best_fit(&found, &nominal_mm);
-    for point in groups.iter_mut().flat_map(|group| &mut group.points_mm) {
-        *point = datum_from_instrument * *point;
-    }
-    for reading in readings.iter_mut().flatten() {
-        reading.off_mean_mm = datum_from_instrument * reading.off_mean_mm;
-    }
     if let Some(scale_ppm) = campaign.instrument.scale_sigma_ppm {
-        noise.take_scale(&groups, scale_ppm * 1e-6);
+        measured
+            .noise
+            .take_scale(&measured.groups, scale_ppm * 1e-6);
     }
-    MeasuredPoints {
-        groups,
-        noise,
-        instrument,
-        relative_covariance: Matrix2::zeros(),
-        readings,
-        repeatability_variance_mm2,
-    }
+    (measured, turn)
 }
 
 impl PointNoise {
@@ -148,8 +151,7 @@ fn samples_of_steps(points: &Points, by_direction: bool) -> Vec<StepSamples> {
         });
         for number_of_reading in stop.readings.clone() {
             let reading = &points.readings[number_of_reading];
-            let declared_mm = reading.sigma_um.map(|um| um * MICROMETRE);
-            let sigma_mm = declared_mm.unwrap_or(UNDECLARED_SIGMA_MM);
+            let sigma_mm = reading.sigma_um.unwrap_or(UNDECLARED_SIGMA_UM) * MICROMETRE;
             let sample = steps[number].2.entry(reading.target).or_default();
             sample.readings.push(SampleReading {
                 reading: number_of_reading,
@@ -163,24 +165,20 @@ fn samples_of_steps(points: &Points, by_direction: bool) -> Vec<StepSamples> {
 }
 
 /// Covariance of the means: each one's own noise, and the repeatability errors of common visits.
-fn covariance(samples: &[&Sample], repeatability_variance_mm2: f64) -> DMatrix<f64> {
-    let common = |a: &Sample, b: &Sample| {
-        let mut sum = 0.0;
-        for of_a in &a.readings {
-            for of_b in b.readings.iter().filter(|of_b| of_b.visit == of_a.visit) {
-                sum += of_a.weight * of_b.weight;
-            }
+fn of_means(
+    readings: &[GroupReading],
+    places: usize,
+    repeatability_variance_mm2: f64,
+) -> DMatrix<f64> {
+    let mut covariance = DMatrix::zeros(3 * places, 3 * places);
+    for a in readings {
+        let mut own = covariance.fixed_view_mut::<3, 3>(3 * a.place, 3 * a.place);
+        own += a.own_mm2 * (a.share * a.share);
+        for b in readings.iter().filter(|b| b.visit == a.visit) {
+            let mut common = covariance.fixed_view_mut::<3, 3>(3 * a.place, 3 * b.place);
+            common +=
+                Matrix3::from_diagonal_element(repeatability_variance_mm2 * a.share * b.share);
         }
-        sum / (a.weight() * b.weight())
-    };
-    DMatrix::from_fn(3 * samples.len(), 3 * samples.len(), |i, j| {
-        let (a, b) = (samples[i / 3], samples[j / 3]);
-        let own = if i == j { 1.0 / a.weight() } else { 0.0 };
-        let of_repeatability = if i % 3 == j % 3 {
-            repeatability_variance_mm2 * common(a, b)
-        } else {
-            0.0
-        };
-        own + of_repeatability
-    })
+    }
+    covariance
 }

@@ -4,7 +4,7 @@
 //! dp_i = ξ_i - Z_i s     cov(ξ_i) = D_i, independent between steps     cov(s) = Σ
 //! ```
 
-use nalgebra::{DMatrix, Matrix2, Point3, Vector3};
+use nalgebra::{DMatrix, Matrix2, Matrix3, Point3, Vector3};
 use trueaxis_campaign::Direction;
 
 use crate::points::equations::Source;
@@ -40,32 +40,32 @@ pub(crate) struct GroupReading {
     pub(crate) visit: usize,
     /// The index of its target in the group.
     pub(crate) place: usize,
-    /// `1 / σ²` of its own noise, 1/mm², and its share of the weight of the point.
-    pub(crate) weight: f64,
+    /// Covariance of its own noise in the datum, mm².
+    pub(crate) own_mm2: Matrix3<f64>,
+    /// Its share of the weight of the point.
     pub(crate) share: f64,
-    /// Variance of a coordinate with the machine's repeatability, mm².
-    pub(crate) variance_mm2: f64,
     /// Difference from the point, which is the mean, in the datum, mm.
     pub(crate) off_mean_mm: Vector3<f64>,
 }
 
 impl MeasuredPoints {
-    /// Covariance along each direction of a reading with the point at `place` of its group, mm²; `readings` are all
-    /// of the group.
+    /// Covariance of a reading with the point at `place` of its group, mm²; `readings` are all of the group.
     pub(crate) fn covariance_with_mean(
         &self,
         reading: &GroupReading,
         place: usize,
         readings: &[GroupReading],
-    ) -> f64 {
+    ) -> Matrix3<f64> {
         let own = match reading.place == place {
-            true => reading.share / reading.weight,
-            false => 0.0,
+            true => reading.own_mm2 * reading.share,
+            false => Matrix3::zeros(),
         };
         let of_visit = readings
             .iter()
             .filter(|other| other.place == place && other.visit == reading.visit);
-        own + self.repeatability_variance_mm2 * of_visit.map(|other| other.share).sum::<f64>()
+        let common =
+            self.repeatability_variance_mm2 * of_visit.map(|other| other.share).sum::<f64>();
+        own + Matrix3::from_diagonal_element(common)
     }
 }
 

@@ -1,21 +1,22 @@
 //! Whether repeated points scatter as declared, and how well the machine returns if nothing is declared.
 //!
-//! The readings of one visit of a step share the machine's repeatability error, so that their covariance along each
-//! direction is `S = diag(1/w) + ρ² [same visit]`. With the readings `e` less the means of their targets, and `X`,
-//! which says of which target each is, what no constant position of each target explains is
+//! The readings of one visit of a step share the machine's repeatability error. With the weight `w` (3 x 3) of the
+//! own noise of a reading, all together have the covariance `S = diag(w⁻¹) + ρ² [same visit]`. With the readings `e` less
+//! the means of their targets, and `X`, which says of which target each is, what no constant position of each target
+//! explains is
 //!
 //! ```text
 //! χ² = eᵀ S⁻¹ e - gᵀ (Xᵀ S⁻¹ X)⁻¹ g     g = Xᵀ S⁻¹ e     (S⁻¹ e)_j = w_j (e_j - κ_v Σ_v w e)
 //! ```
 //!
-//! with `κ_v = ρ² / (1 + ρ² Σ_v w)` of its visit (Sherman and Morrison). A displacement common to all targets of a
+//! with `κ_v = ρ² (1 + ρ² Σ_v w)⁻¹` of its visit (Woodbury). A displacement common to all targets of a
 //! visit counts once, not once for each target.
 //!
 //! An undeclared ρ makes the sum of the weighted squares equal its expectation (C. R. Henderson, *Biometrics* 9, 226,
 //! 1953, method 1), with the variance `s²` of unit weight by the rigid triangle, free of displacements of visits:
 //!
 //! ```text
-//! Q = Σ w e²      E Q = s² ν + ρ² tr A      A_vv' = Σ_v w [v = v'] - Σ_t w_tv w_tv' / w_t      of all directions and steps
+//! Q = Σ eᵀ w e     E Q = s² ν + ρ² tr A      A_vv' = Σ_v w [v = v'] - Σ_t w_tv w_t⁻¹ w_tv'      of all steps
 //! var Q = 2 (s⁴ ν + 2 s² ρ² tr A + ρ⁴ tr A²)
 //! ```
 //!
@@ -24,7 +25,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DMatrix, DVector, Matrix2, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector3};
 use trueaxis_leastsquares::f_upper_tail;
 use trueaxis_screening::{LEAST_DEGREES_OF_FREEDOM, TOO_GOOD};
 
@@ -111,38 +112,56 @@ impl MeasuredPoints {
         Some((variance, relative))
     }
 
-    /// `tr A` and `tr A²`. With `A = D - B Bᵀ`, `D_v = Σ_v w` and `B_vt = w_tv / √w_t`, the last is
-    /// `Σ D² - 2 Σ D (B Bᵀ)_vv + tr (Bᵀ B)²`, and `Bᵀ B` has as many rows as there are targets.
     fn traces_of_visits(&self) -> [f64; 2] {
-        let (mut trace, mut of_square) = (0.0, 0.0);
-        for (group, readings) in self.groups.iter().zip(&self.readings) {
-            let visits = by_visit(readings);
-            let mut of_targets = vec![0.0; group.targets.len()];
-            let weights = visits.values().flat_map(|visit| &visit.weights);
-            weights.for_each(|(&t, w)| of_targets[t] += w);
-            let mut products = DMatrix::<f64>::zeros(of_targets.len(), of_targets.len());
-            for Visit { weights, .. } in visits.values() {
-                let scaled = weights.iter().map(|(&t, w)| (t, w / of_targets[t].sqrt()));
-                let scaled: Vec<(usize, f64)> = scaled.collect();
-                let all: f64 = weights.values().sum();
-                let own: f64 = scaled.iter().map(|(_, b)| b * b).sum();
-                trace += 3.0 * (all - own);
-                of_square += 3.0 * all * (all - 2.0 * own);
-                for (t, b) in &scaled {
-                    scaled.iter().for_each(|(k, c)| products[(*t, *k)] += b * c);
-                }
-            }
-            of_square += 3.0 * products.norm_squared();
+        let groups = self.groups.iter().zip(&self.readings);
+        let traces =
+            groups.map(|(group, readings)| traces_of_visits(readings, group.targets.len()));
+        traces.fold([0.0; 2], |sum, own| [sum[0] + own[0], sum[1] + own[1]])
+    }
+}
+
+/// `tr A` and `tr A²` of one step. The noise of a target has one form there, `w_tv = h_tv w_t` with its share `h`, so that
+/// with `D_v = Σ_v w` the last is `Σ tr D_v (D_v - 2 Σ_t h_tv² w_t) + Σ_tt' (Σ_v h_tv h_t'v)² tr w_t w_t'`.
+fn traces_of_visits(readings: &[GroupReading], targets: usize) -> [f64; 2] {
+    let mut of_targets = vec![Matrix3::zeros(); targets];
+    for reading in readings {
+        of_targets[reading.place] += reading.weight();
+    }
+    let (mut trace, mut of_square) = (0.0, 0.0);
+    let mut products = DMatrix::<f64>::zeros(targets, targets);
+    for Visit { shares, weight, .. } in by_visit(readings).values() {
+        let own: Matrix3<f64> = shares.iter().map(|(&t, h)| of_targets[t] * (h * h)).sum();
+        trace += (weight - own).trace();
+        of_square += (weight * (weight - own * 2.0)).trace();
+        for (&t, h) in shares {
+            let others = shares.iter();
+            others.for_each(|(&k, other)| products[(t, k)] += h * other);
         }
-        [trace, of_square]
+    }
+    for (t, of_t) in of_targets.iter().enumerate() {
+        for (k, of_k) in of_targets.iter().enumerate() {
+            of_square += products[(t, k)].powi(2) * (of_t * of_k).trace();
+        }
+    }
+    [trace, of_square]
+}
+
+impl GroupReading {
+    /// Of its own noise, 1/mm².
+    fn weight(&self) -> Matrix3<f64> {
+        // Coordinates of any instrument have noise in all directions.
+        self.own_mm2.try_inverse().unwrap_or_else(Matrix3::zeros)
     }
 }
 
 /// Sums over the readings of one visit.
 #[derive(Default)]
 struct Visit {
-    /// The sum of the weights of each target.
-    weights: BTreeMap<usize, f64>,
+    /// The sum of the shares of each target.
+    shares: BTreeMap<usize, f64>,
+    /// `Σ w` of each target, and of all.
+    weights: BTreeMap<usize, Matrix3<f64>>,
+    weight: Matrix3<f64>,
     /// `Σ w e`.
     weighted: Vector3<f64>,
 }
@@ -159,33 +178,35 @@ fn scatter_of_repeats(
     }
     let visits = by_visit(readings);
     let shrinkage = |visit: &Visit| {
-        let sum: f64 = visit.weights.values().sum();
-        repeatability_variance_mm2 / (1.0 + repeatability_variance_mm2 * sum)
+        let sum = Matrix3::identity() + visit.weight * repeatability_variance_mm2;
+        let inverse = sum.try_inverse().unwrap_or_else(Matrix3::zeros);
+        inverse * repeatability_variance_mm2
     };
-    let mut normal = DMatrix::zeros(targets, targets);
+    let mut normal = DMatrix::zeros(3 * targets, 3 * targets);
     for visit in visits.values() {
+        let shrinkage = shrinkage(visit);
         for (&a, of_a) in &visit.weights {
-            normal[(a, a)] += of_a;
+            let mut own = normal.fixed_view_mut::<3, 3>(3 * a, 3 * a);
+            own += of_a;
             for (&b, of_b) in &visit.weights {
-                normal[(a, b)] -= shrinkage(visit) * of_a * of_b;
+                let mut common = normal.fixed_view_mut::<3, 3>(3 * a, 3 * b);
+                common -= of_a * shrinkage * of_b;
             }
         }
     }
     let mut squares = 0.0;
-    let mut gradient: [DVector<f64>; 3] = std::array::from_fn(|_| DVector::zeros(targets));
+    let mut gradient = DVector::zeros(3 * targets);
     for reading in readings {
         let visit = &visits[&reading.visit];
         let e = reading.off_mean_mm;
-        let whitened = reading.weight * (e - shrinkage(visit) * visit.weighted);
+        let whitened = reading.weight() * (e - shrinkage(visit) * visit.weighted);
         squares += e.dot(&whitened);
-        for (of_axis, value) in gradient.iter_mut().zip(&whitened) {
-            of_axis[reading.place] += value;
-        }
+        let mut of_place = gradient.fixed_rows_mut::<3>(3 * reading.place);
+        of_place += whitened;
     }
     // Every target has a reading, and ρ² is finite: the positions are determined.
     if let Some(normal) = normal.cholesky() {
-        let explained = gradient.iter().map(|g| g.dot(&normal.solve(g)));
-        squares -= explained.sum::<f64>();
+        squares -= gradient.dot(&normal.solve(&gradient));
     }
     (squares.max(0.0), degrees)
 }
@@ -193,9 +214,11 @@ fn scatter_of_repeats(
 fn by_visit(readings: &[GroupReading]) -> BTreeMap<usize, Visit> {
     let mut visits: BTreeMap<usize, Visit> = BTreeMap::new();
     for reading in readings {
-        let visit = visits.entry(reading.visit).or_default();
-        *visit.weights.entry(reading.place).or_default() += reading.weight;
-        visit.weighted += reading.weight * reading.off_mean_mm;
+        let (visit, weight) = (visits.entry(reading.visit).or_default(), reading.weight());
+        *visit.shares.entry(reading.place).or_default() += reading.share;
+        *visit.weights.entry(reading.place).or_default() += weight;
+        visit.weight += weight;
+        visit.weighted += weight * reading.off_mean_mm;
     }
     visits
 }
@@ -223,13 +246,18 @@ mod tests {
                 reading: 0,
                 visit,
                 place,
-                weight: weight(place, visit),
+                own_mm2: form(place) / weight(place, visit),
                 share: weight(place, visit) / sum,
-                variance_mm2: 0.0,
                 off_mean_mm: e(place, visit) - weighted / sum,
             }
         };
         all.iter().map(reading).collect()
+    }
+
+    /// Noise that differs between targets and directions.
+    fn form(place: usize) -> Matrix3<f64> {
+        let skew = Vector3::new(1.0, -2.0, 0.5 * place as f64);
+        Matrix3::from_diagonal_element(0.3 + place as f64) + skew * skew.transpose()
     }
 
     #[test]
@@ -239,21 +267,34 @@ mod tests {
             Vector3::new(phase.sin(), (2.0 * phase).cos(), (phase * phase).sin())
         };
         let readings = readings(wild);
+        let rows = 3 * readings.len();
+        let same = |i: usize, j: usize| f64::from(u8::from(i % 3 == j % 3));
+        let targets = DMatrix::from_fn(rows, 9, |i, t| match readings[i / 3].place == t / 3 {
+            true => same(i, t),
+            false => 0.0,
+        });
+        let common = DMatrix::from_fn(rows, 9, |i, v| match readings[i / 3].visit == v / 3 {
+            true => same(i, v),
+            false => 0.0,
+        });
+        let e = DVector::from_fn(rows, |i, _| readings[i / 3].off_mean_mm[i % 3]);
+        // What positions of the targets leave.
+        let left = |weight: &DMatrix<f64>| {
+            let normal = targets.transpose() * weight * &targets;
+            let through = weight * &targets * normal.try_inverse().unwrap();
+            weight - through * targets.transpose() * weight
+        };
+        let covariance = |variance: f64| {
+            let mut covariance = &common * common.transpose() * variance;
+            for (i, reading) in readings.iter().enumerate() {
+                let mut own = covariance.fixed_view_mut::<3, 3>(3 * i, 3 * i);
+                own += reading.own_mm2;
+            }
+            covariance
+        };
         for variance in [0.0, 0.3, 100.0] {
-            let count = readings.len();
-            let covariance = DMatrix::from_fn(count, count, |i, j| {
-                let (a, b) = (&readings[i], &readings[j]);
-                let own = if i == j { 1.0 / a.weight } else { 0.0 };
-                own + if a.visit == b.visit { variance } else { 0.0 }
-            });
-            let targets =
-                DMatrix::from_fn(count, 3, |i, t| f64::from(u8::from(readings[i].place == t)));
-            let whitened = covariance.try_inverse().unwrap();
-            let normal = targets.transpose() * &whitened * &targets;
-            let e = DMatrix::from_fn(count, 3, |i, c| readings[i].off_mean_mm[c]);
-            let places = normal.try_inverse().unwrap() * targets.transpose() * &whitened * &e;
-            let left = &e - &targets * places;
-            let expected = (left.transpose() * whitened * &left).trace();
+            let weight = covariance(variance).try_inverse().unwrap();
+            let expected = (e.transpose() * left(&weight) * &e)[0];
             let (squares, degrees) = scatter_of_repeats(&readings, 3, variance);
             assert!(
                 (squares - expected).abs() < 1e-10 * expected,
@@ -261,6 +302,10 @@ mod tests {
             );
             assert_eq!(degrees, 3 * (8 - 3));
         }
+        let a = common.transpose() * left(&covariance(0.0).try_inverse().unwrap()) * &common;
+        let [trace, of_square] = traces_of_visits(&readings, 3);
+        assert!((trace - a.trace()).abs() < 1e-10 * trace);
+        assert!((of_square - (&a * &a).trace()).abs() < 1e-10 * of_square);
     }
 
     /// A displacement common to all targets of a visit counts once.

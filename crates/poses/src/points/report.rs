@@ -3,19 +3,20 @@
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::MICROMETRE;
 use trueaxis_leastsquares::{chi_squared_upper_tail, f_upper_tail};
+use trueaxis_screening::CoordinateNoise;
 
 use crate::Residual;
-use crate::points::MeasuredPoints;
 use crate::points::equations::PointPoses;
 use crate::points::noise_shown::NoiseShown;
 use crate::points::rigidity;
+use crate::points::{MeasuredPoints, UNDECLARED_SIGMA_UM};
 use crate::report::{AdjustmentReport, GLOBAL_TEST_LEVEL, MANY, approached_from_both_sides};
 
 /// The report of measured points and their poses, with the notices for the user.
 pub(crate) fn points_report(
     campaign: &Campaign,
     by_direction: bool,
-    (measured, shown): (&MeasuredPoints, &NoiseShown),
+    (measured, noise, shown): (&MeasuredPoints, &CoordinateNoise, &NoiseShown),
     (found, residuals): (&PointPoses, &[Residual]),
 ) -> (AdjustmentReport, Vec<String>) {
     let (squares, degrees_of_freedom) = rigidity::total(found);
@@ -109,6 +110,11 @@ pub(crate) fn points_report(
              degrees of freedom)"
         )),
     }
+    if let Some(words) = noise.in_words(report.uncertainty_factor * rms_sigma_um(campaign)) {
+        notices.push(format!(
+            "the points scatter by {words}: weights and uncertainties follow this"
+        ));
+    }
     if !report.noise_declared && campaign.instrument.length_sigma_um.is_some() {
         let text = "length_sigma_um is the noise of lengths: points have theirs in a column `sigma_um` of points.csv";
         notices.push(text.to_owned());
@@ -121,10 +127,11 @@ fn rms_mm(residuals: &[Residual]) -> f64 {
     (squares / residuals.len().max(1) as f64).sqrt()
 }
 
-/// The declared standard deviation of a coordinate, rms of all readings, µm.
+/// The standard deviation of a coordinate in the weights, rms of all readings, µm.
 fn rms_sigma_um(campaign: &Campaign) -> f64 {
     let readings = campaign.points.iter().flat_map(|points| &points.readings);
-    let sigmas: Vec<f64> = readings.filter_map(|reading| reading.sigma_um).collect();
+    let sigmas = readings.map(|reading| reading.sigma_um.unwrap_or(UNDECLARED_SIGMA_UM));
+    let sigmas: Vec<f64> = sigmas.collect();
     let squares: f64 = sigmas.iter().map(|sigma| sigma * sigma).sum();
     (squares / sigmas.len().max(1) as f64).sqrt()
 }

@@ -16,7 +16,7 @@
 //!
 //! The scale, which all coordinates share, is the same in `p` and `m_t` and leaves their difference unchanged.
 
-use nalgebra::{DMatrix, Matrix3};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 use trueaxis_identify::{BodyPoses, StepPose, equations};
 
 use crate::Residual;
@@ -38,8 +38,15 @@ impl PointEquations {
                 for reading in readings.iter().filter(|reading| reading.place == place) {
                     let common =
                         |place: &usize| points.covariance_with_mean(reading, *place, readings);
-                    let with_means: Vec<f64> = source.places.iter().map(common).collect();
-                    residuals.extend(step.of_reading(t, reading, &own, &with_means));
+                    let with_means: Vec<Matrix3<f64>> = source.places.iter().map(common).collect();
+                    let repeatability_mm2 = points.repeatability_variance_mm2;
+                    let variances_mm2 = reading.own_mm2.diagonal().add_scalar(repeatability_mm2);
+                    residuals.extend(step.of_reading(
+                        t,
+                        (reading, variances_mm2),
+                        &own,
+                        &with_means,
+                    ));
                 }
             }
         }
@@ -74,27 +81,28 @@ impl<'a> LeftOfStep<'a> {
         }
     }
 
-    /// The residuals of a reading of target `t`; `own` is the covariance of the means, `with_means` that of the
-    /// reading with the mean of each target along one direction.
+    /// The residuals of a reading of target `t` with the variances of its coordinates; `own` is the covariance of the
+    /// means, `with_means` that of the reading with the mean of each target.
     fn of_reading(
         &self,
         t: usize,
-        reading: &GroupReading,
+        (reading, variances_mm2): (&GroupReading, Vector3<f64>),
         own: &DMatrix<f64>,
-        with_means: &[f64],
+        with_means: &[Matrix3<f64>],
     ) -> [Residual; 3] {
-        let of_mean = own[(3 * t, 3 * t)];
-        let off_mean = reading.variance_mm2 - 2.0 * with_means[t] + of_mean;
+        let of_mean = |b: usize| own.fixed_view::<3, 3>(3 * t, 3 * b);
         let left = self.step.pose.misfit.residual_mm[t];
         std::array::from_fn(|c| {
             let row = 3 * t + c;
+            let off_mean = variances_mm2[c] - 2.0 * with_means[t][(c, c)] + of_mean(t)[(c, c)];
             let targets = with_means.iter().enumerate();
-            let between: f64 = targets
-                .map(|(b, with)| (with - own[(3 * t, 3 * b)]) * self.of_means[(row, 3 * b + c)])
-                .sum();
-            let variance = off_mean + 2.0 * between + self.covariance[(row, row)];
+            let between = targets.map(|(b, with)| {
+                let off_mean_with_mean = with.row(c) - of_mean(b).row(c);
+                off_mean_with_mean.dot(&self.of_means.fixed_view::<1, 3>(row, 3 * b))
+            });
+            let variance = off_mean + 2.0 * between.sum::<f64>() + self.covariance[(row, row)];
             let residual_mm = reading.off_mean_mm[c] + left[c];
-            let is_checked = variance > CHECKED * reading.variance_mm2;
+            let is_checked = variance > CHECKED * variances_mm2[c];
             Residual {
                 reading: reading.reading,
                 coordinate: Some(c),
