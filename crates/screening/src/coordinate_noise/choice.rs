@@ -12,6 +12,9 @@ const LEVEL: f64 = 1e-3;
 /// Redundancy from which a variance is known well enough to weigh with.
 const LEAST_REDUNDANCY: f64 = 20.0;
 
+/// Most blocks that are compared, evenly over all: more only take time.
+const MOST_BLOCKS: usize = 200;
+
 /// Standard deviation of a coordinate below which it was computed, not measured, mm.
 const LEAST_MM: f64 = 1e-7;
 
@@ -38,7 +41,9 @@ const MOST_MOVES: usize = 30;
 impl CoordinateNoise {
     /// What the readings say; equal noise where they say nothing else.
     pub fn estimated(occasions: &[Occasion]) -> Self {
-        let mut blocks: Vec<Block<'_>> = occasions.iter().flat_map(Block::all_of).collect();
+        let blocks: Vec<Block<'_>> = occasions.iter().flat_map(Block::all_of).collect();
+        let every = blocks.len().div_ceil(MOST_BLOCKS).max(1);
+        let mut blocks: Vec<Block<'_>> = blocks.into_iter().step_by(every).collect();
         // What is wrong bends the shapes of the bodies, and with these everything else.
         let equal = loop {
             let Some(equal) = Fitted::new(&blocks, Self::EQUAL) else {
