@@ -59,11 +59,10 @@ fn mean_squares(found: &Calibration, exact: &Calibration) -> BTreeMap<String, f6
         if let Output::ComponentError {
             component, axis, ..
         } = found.output
+            && found.u > 0.0
         {
-            if found.u > 0.0 {
-                let squares = of.entry(format!("{component:?} of {axis}")).or_default();
-                squares.push(((found.value - exact.value) / found.u).powi(2));
-            }
+            let squares = of.entry(format!("{component:?} of {axis}")).or_default();
+            squares.push(((found.value - exact.value) / found.u).powi(2));
         }
     }
     let mean = |own: Vec<f64>| own.iter().sum::<f64>() / own.len() as f64;

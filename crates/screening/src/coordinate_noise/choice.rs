@@ -20,7 +20,7 @@ const LEAST_MM: f64 = 1e-7;
 
 /// Visits whose squares exceed those of the best tenth by this factor hold something else than noise.
 const NOT_NOISE: f64 = 25.0;
-const BEST: f64 = 0.1;
+const BEST_ONE_IN: usize = 10;
 
 /// Parameters beside that of equal noise: variances of three directions and their rotation; one ratio; the ratio and the
 /// place of an instrument that is sought.
@@ -52,7 +52,7 @@ impl CoordinateNoise {
             let mut sorted = equal.of_blocks.clone();
             sorted.retain(|mean| *mean > 0.0);
             sorted.sort_by(f64::total_cmp);
-            let best = sorted.get((BEST * sorted.len() as f64) as usize);
+            let best = sorted.get(sorted.len() / BEST_ONE_IN);
             let limit = NOT_NOISE * best.copied().unwrap_or(0.0);
             let (count, mut of_blocks) = (blocks.len(), equal.of_blocks.iter());
             blocks.retain(|_| of_blocks.next().is_some_and(|mean| *mean <= limit));

@@ -163,7 +163,7 @@ struct Left {
 struct Reduced {
     values: DMatrix<f64>,
     diagonal: Vec<f64>,
-    /// Σ M_A,ij² / 2 over the rows of two classes of variances.
+    /// `Σ M_A,ij² / 2` over the rows of two classes of variances.
     information: Matrix4<f64>,
     ln_determinant: f64,
 }
@@ -198,7 +198,7 @@ impl Left {
             left.information += reduced.information;
             let by_shape = reduced.values.columns(0, shapes);
             let e = reduced.values.column(shapes) - by_shape * &shape;
-            let through = &by_shape * &inverse;
+            let through = by_shape * &inverse;
             let of_points = 3 * block.sightings.len();
             let (mut squares, mut redundancy) = (0.0, 0.0);
             for (i, e_i) in e.iter().enumerate() {
