@@ -142,14 +142,17 @@ impl CoordinateNoise {
                 station_mm,
                 distance_mm,
                 ..
-            } => Some(format!(
-                "{first:.2} µm along the beam of an instrument at ({:.0}, {:.0}, {:.0}) mm in their frame, {:.2} µm/m \
-                 across it",
-                station_mm.x,
-                station_mm.y,
-                station_mm.z,
-                1e3 * second / distance_mm
-            )),
+            } => {
+                let [x, y, z] = station_mm.coords.into();
+                let place = match *station_mm == Point3::origin() {
+                    true => "in the origin of their frame".to_owned(),
+                    false => format!("at ({x:.0}, {y:.0}, {z:.0}) mm in their frame"),
+                };
+                let across = 1e3 * second / distance_mm;
+                Some(format!(
+                    "{first:.2} µm along the beam of an instrument {place}, {across:.2} µm/m across it"
+                ))
+            }
         }
     }
 

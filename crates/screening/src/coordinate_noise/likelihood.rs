@@ -365,6 +365,8 @@ fn pseudo_inverse(normal: DMatrix<f64>) -> (DMatrix<f64>, f64) {
 
 #[cfg(test)]
 mod tests {
+    use trueaxis_leastsquares::dense::Svd;
+
     use super::*;
 
     /// Two steps of three targets, the first one visited twice.
@@ -429,9 +431,8 @@ mod tests {
             put(6 * occasions.len() + 3 * own.target, Matrix3::identity());
             y.fixed_rows_mut::<3>(3 * i).copy_from(&own.misfit_mm);
         }
-        let svd = columns.svd(true, false);
-        let rank = svd.singular_values.iter().filter(|s| **s > 1e-9).count();
-        let basis = svd.u.unwrap().columns(0, rank).into_owned();
+        let svd = Svd::new(&columns).unwrap();
+        let basis = svd.u.columns(0, svd.rank(1e-9)).into_owned();
         let weight = covariance.clone().try_inverse().unwrap();
         let normal = basis.tr_mul(&(&weight * &basis));
         let projected = basis.tr_mul(&(&weight * &y));
