@@ -13,7 +13,7 @@ const LEVEL: f64 = 1e-3;
 const LEAST_REDUNDANCY: f64 = 20.0;
 
 /// Most blocks that are compared, evenly over all: more only take time.
-const MOST_BLOCKS: usize = 200;
+const MOST_BLOCKS: usize = 100;
 
 /// Standard deviation of a coordinate below which it was computed, not measured, mm.
 const LEAST_MM: f64 = 1e-7;

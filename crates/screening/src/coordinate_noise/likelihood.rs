@@ -25,7 +25,7 @@ use rayon::prelude::*;
 use crate::coordinate_noise::{CoordinateNoise, Occasion, Sighting};
 
 /// Most visits that are adjusted together: more only take time.
-const MOST_VISITS: usize = 6;
+const MOST_VISITS: usize = 4;
 
 /// Variances have converged when none changes by more than this part.
 const CONVERGED: f64 = 3e-3;
