@@ -5,11 +5,11 @@
 //! repeats and sides of approach, and the shape of the targets of each stage, common to all steps,
 //!
 //! ```text
-//! p = T_step h_target + noise      cov = σ² w² I + σ_m² 1 1ᵀ  (each coordinate of one stop)
+//! p = T_step h_target + noise
 //! ```
 //!
-//! with σ the instrument's noise (w: the declared values, relative) and `σ_m` the machine's repeatability, common to
-//! a stop. Targets on the bed stand still. The model can be contradicted by distances between targets of one stage
+//! with the noise of the instrument, which may depend on place and direction, and the machine's repeatability, common to
+//! a stop ([`noise`]). Targets on the bed stand still. The model can be contradicted by distances between targets of one stage
 //! (three targets or more), repeats, and the two sides of approach. Everything is linear about one adjustment: poses
 //! are known to micrometres, and effects are as small.
 //!

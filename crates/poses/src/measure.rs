@@ -146,19 +146,18 @@ fn by_points(
 
 fn from_points<'a>(
     campaign: &'a Campaign,
-    points: &Points,
+    coordinates: &Points,
     settings: &Settings,
 ) -> Result<MeasuredPoses<'a>, Error> {
     let method = match settings.method {
         Method::Joint => Method::Nine,
         method => method,
     };
-    let is_undeclared = points.readings.iter().any(|r| r.sigma_um.is_none());
-    let readings = points;
+    let is_undeclared = coordinates.readings.iter().any(|r| r.sigma_um.is_none());
     let with_noise = |noise: &CoordinateNoise, repeatability_mm: f64| -> Result<_, Error> {
         let noise = (noise, repeatability_mm);
         let (points, turn) =
-            points_from_coordinates(campaign, readings, settings.by_direction, noise);
+            points_from_coordinates(campaign, coordinates, settings.by_direction, noise);
         let found = poses_from_points(campaign, &points, method)?;
         Ok((points, found, turn))
     };
@@ -166,7 +165,7 @@ fn from_points<'a>(
     let declared_mm = declared_mm.map(|um| um * MICROMETRE);
     let first_mm = declared_mm.unwrap_or(0.0);
     let (mut points, mut found, turn) = with_noise(&CoordinateNoise::EQUAL, first_mm)?;
-    let noise = noise_of_coordinates(readings, &points, &found, &turn);
+    let noise = noise_of_coordinates(coordinates, &points, &found, &turn);
     if noise != CoordinateNoise::EQUAL {
         (points, found, _) = with_noise(&noise, first_mm)?;
     }

@@ -12,9 +12,11 @@
 //! | polar | its own along the beam of an instrument; across it its own times the square of the distance |
 //!
 //! An instrument stands in the origin of its coordinates, or, if these were transformed, where the likelihood is
-//! greatest. Another form than the first must be significant; of several that are, the one with the best information
+//! greatest. Standard deviations that are declared for each reading multiply all of these: where they grow with the
+//! distance already, the polar form is not the likeliest. Another form than the first must be significant; of several that are, the one with the best information
 //! criterion (G. Schwarz, *Annals of Statistics* 6, 461, 1978) stands.
 
+mod block;
 mod choice;
 mod likelihood;
 
@@ -22,16 +24,16 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 /// Readings of one step that were approached from one side.
 #[derive(Debug, Clone)]
-pub struct Occasion {
+pub struct StepReadings {
     /// Rotation from the bodies' home to the frame of the coordinates.
     pub rotation: Matrix3<f64>,
     /// The readings, visit by visit.
-    pub sightings: Vec<Sighting>,
+    pub readings: Vec<CoordinateReading>,
 }
 
 /// One reading of a point.
 #[derive(Debug, Clone)]
-pub struct Sighting {
+pub struct CoordinateReading {
     /// The visit that took it.
     pub visit: usize,
     /// The number of its target among those of all bodies.
@@ -50,6 +52,8 @@ pub struct CoordinateNoise {
     form: Form,
     /// Along each row of the form; across a beam at the usual distance.
     variances: [f64; 3],
+    /// Of the variance that is known least; infinite where noise is equal.
+    degrees_of_freedom: f64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -59,7 +63,7 @@ enum Form {
     Directions(Matrix3<f64>),
     Polar {
         station_mm: Point3<f64>,
-        /// A direction away from all beams, about which the angles are drawn.
+        /// A direction away from the mean beam; the directions across a beam are level and upright to it.
         upright: Vector3<f64>,
         /// Rms distance of the points.
         distance_mm: f64,
@@ -71,12 +75,14 @@ impl CoordinateNoise {
     pub const EQUAL: Self = Self {
         form: Form::Equal,
         variances: [1.0; 3],
+        degrees_of_freedom: f64::INFINITY,
     };
 
     fn directions(rows: Matrix3<f64>) -> Self {
         Self {
             form: Form::Directions(rows),
             variances: [1.0; 3],
+            degrees_of_freedom: f64::INFINITY,
         }
     }
 
@@ -91,6 +97,7 @@ impl CoordinateNoise {
                 distance_mm: (squares / points_mm.len() as f64).sqrt(),
             },
             variances: [1.0; 3],
+            degrees_of_freedom: f64::INFINITY,
         }
     }
 
@@ -107,11 +114,18 @@ impl CoordinateNoise {
             } => {
                 let beam = point_mm - station_mm;
                 let farther = beam.norm_squared() / distance_mm.powi(2);
+                // No point stands in the instrument.
+                let farther = farther.max(f64::EPSILON);
                 let [along, level, upward] = self.variances;
                 let variances = [along, level * farther, upward * farther];
                 (rows_along(&beam, upright), variances)
             }
         }
+    }
+
+    /// Degrees of freedom of the variance that is known least; infinite where noise is equal.
+    pub fn degrees_of_freedom(&self) -> f64 {
+        self.degrees_of_freedom
     }
 
     /// The relative covariance of a point, in the frame of the coordinates.
@@ -156,7 +170,7 @@ impl CoordinateNoise {
         }
     }
 
-    /// Which variances are one.
+    /// Which variances are the same.
     fn classes(&self) -> [usize; 3] {
         match self.form {
             Form::Equal => [0; 3],

@@ -61,7 +61,7 @@ mod uneven;
 mod unnoticed;
 
 pub use alike::{Alike, alike};
-pub use coordinate_noise::{CoordinateNoise, Occasion, Sighting};
+pub use coordinate_noise::{CoordinateNoise, CoordinateReading, StepReadings};
 pub use error::{Error, Part};
 pub use estimate_noise::{
     LEAST_DEGREES_OF_FREEDOM, LEAST_SEPARATION, NoiseBasis, NoiseEstimate, PartEstimate, TOO_GOOD,

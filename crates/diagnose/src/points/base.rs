@@ -14,7 +14,7 @@ use nalgebra::{Isometry3, Matrix3, Matrix3x6, Point3, Rotation3, Translation3, V
 use trueaxis_campaign::{Campaign, Points};
 use trueaxis_effects::{Circumstances, Displaced, ResolvedEffect, Scene};
 use trueaxis_kinematics::{Ideal, best_fit};
-use trueaxis_screening::{CoordinateNoise, Occasion, Sighting};
+use trueaxis_screening::{CoordinateNoise, CoordinateReading, StepReadings};
 use trueaxis_selection::Hypothesis;
 
 use crate::engine::disturbance::Disturbance;
@@ -124,7 +124,7 @@ impl<'a> Base<'a> {
 
     /// Rotates the rows of each point to the directions in which its noise is independent.
     fn turn_rows(&mut self) {
-        let noise = CoordinateNoise::estimated(&self.occasions());
+        let noise = CoordinateNoise::estimated(&self.read_by_step());
         let instrument_from_machine = self.instrument_from_datum.rotation.to_rotation_matrix();
         for (i, reading) in self.readings.all.iter_mut().enumerate() {
             let (rows, variances) = noise.at(&reading.measured_mm);
@@ -141,18 +141,18 @@ impl<'a> Base<'a> {
     }
 
     /// What says how the noise of the coordinates depends on place and direction.
-    fn occasions(&self) -> Vec<Occasion> {
+    fn read_by_step(&self) -> Vec<StepReadings> {
         let mut of = BTreeMap::new();
         for (visit, stop) in self.readings.stops.iter().enumerate() {
             for i in stop.clone() {
                 let reading = &self.readings.all[i];
                 let Some(pose) = reading.pose else { continue };
-                let occasion = of.entry((pose, reading.side > 0.0));
-                let occasion = occasion.or_insert_with(|| Occasion {
+                let step = of.entry((pose, reading.side > 0.0));
+                let step = step.or_insert_with(|| StepReadings {
                     rotation: self.by_shape[i],
-                    sightings: Vec::new(),
+                    readings: Vec::new(),
                 });
-                occasion.sightings.push(Sighting {
+                step.readings.push(CoordinateReading {
                     visit,
                     target: reading.shape,
                     sigma: reading.relative[0],

@@ -105,7 +105,9 @@ pub(crate) fn stand_out(base: &Base<'_>, model: &Model) -> Vec<Gross> {
             let column = |k: usize| {
                 let mut column = vec![0.0; 3 * stop.len()];
                 for i in wrong.clone() {
-                    column[3 * (i - stop.start) + k] = 1.0;
+                    let first = 3 * (i - stop.start);
+                    let error: [f64; 3] = base.in_rows(i, Vector3::ith(k, 1.0)).into();
+                    column[first..first + 3].copy_from_slice(&error);
                 }
                 model.whitening[stop_number].apply(&mut column);
                 column

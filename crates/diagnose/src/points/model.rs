@@ -82,7 +82,9 @@ impl Model {
 
     /// Undoes the whitening of coordinates of full weight: mm.
     pub(crate) fn colour(&self, base: &Base<'_>, column: &mut [f64]) {
-        StopWhitening::colour_all(&self.whitening, &base.readings, column);
+        for (stop, own) in base.readings.stops.iter().zip(self.whitening.iter()) {
+            own.colour(&mut column[3 * stop.start..3 * stop.end]);
+        }
     }
 
     /// The same with another projection and without causes.

@@ -17,8 +17,7 @@ use crate::points::readings::{Reading, Readings};
 /// The noise of the coordinates, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Noise {
-    /// Standard deviation along each row of a point where 1 µm, or nothing, is declared, for one of the usual direction
-    /// and place.
+    /// Standard deviation along each row for one that is relatively 1 ([`Reading::relative`]).
     pub(crate) own_mm: [f64; 3],
     /// Standard deviation of the machine's repeatability along each of its axes.
     pub(crate) return_mm: [f64; 3],
@@ -53,7 +52,7 @@ impl StopWhitening {
     }
 
     /// Multiplies whitened coordinates by `W⁻¹`: mm.
-    fn colour(&self, rows: &mut [f64]) {
+    pub(crate) fn colour(&self, rows: &mut [f64]) {
         for (common, square) in self.common.iter().zip(self.squares).rev() {
             if square > 0.0 {
                 let share = ((1.0 + square).sqrt() - 1.0) / square;
@@ -98,6 +97,7 @@ impl Noise {
             squares: [0.0; 3],
         };
         for k in 0..3 {
+            // What is not yet set takes nothing out.
             let mut common = self.returns(points, k);
             whitening.apply(&mut common);
             whitening.squares[k] = dot(&common, &common);
@@ -146,15 +146,6 @@ impl Noise {
         };
         let sum: f64 = readings.all.iter().map(variance).sum();
         (sum / readings.all.len().max(1) as f64).sqrt() * 1e3
-    }
-}
-
-impl StopWhitening {
-    /// Undoes the whitening of all stops.
-    pub(crate) fn colour_all(all: &[Self], readings: &Readings, column: &mut [f64]) {
-        for (stop, own) in readings.stops.iter().zip(all) {
-            own.colour(&mut column[3 * stop.start..3 * stop.end]);
-        }
     }
 }
 

@@ -7,7 +7,7 @@
 //! θ_k <- θ_k eᵀV_k e / tr(M V_k)
 //! ```
 //!
-//! Noise is the same in all directions unless Bartlett's test says otherwise (*Proceedings of the Royal Society* A 160,
+//! The ratio of directions is that of the rows ([`crate::points::noise`]) unless Bartlett's test says otherwise (*Proceedings of the Royal Society* A 160,
 //! 268, 1937): fewer variances are known better.
 
 use trueaxis_leastsquares::{chi_squared_upper_tail, dot};
@@ -115,8 +115,11 @@ impl Model {
                     }
                     None => {}
                 }
-                if noise.return_mm[k].powi(2) < NONE * noise.own_mm[k].powi(2) {
-                    noise.return_mm[k] = 0.0;
+            }
+            let usual_mm2 = noise.own_mm.iter().map(|own| own * own).sum::<f64>() / 3.0;
+            for return_mm in &mut noise.return_mm {
+                if return_mm.powi(2) < NONE * usual_mm2 {
+                    *return_mm = 0.0;
                 }
             }
             let largest_mm = noise.own_mm.into_iter().fold(0.0, f64::max);

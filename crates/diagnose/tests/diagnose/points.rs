@@ -632,7 +632,7 @@ fn a_cyclic_error_in_points_is_found_in_the_curve() {
 }
 
 /// Points of a tracker, at some 1.9 m: 0.6 µm along the beam, 3 µm/m across. Directions that were the same for all points
-/// made an alarm in 3 of 60 such campaigns, one of which was a target slip alone.
+/// made an alarm in 7 of 180 such campaigns, one of which was a target slip alone.
 const TRACKER: Plan = Plan {
     noise_mm: 0.6e-3,
     angles: Some(3e-6),

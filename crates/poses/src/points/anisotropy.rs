@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix3;
 use trueaxis_campaign::Points;
-use trueaxis_screening::{CoordinateNoise, Occasion, Sighting};
+use trueaxis_screening::{CoordinateNoise, CoordinateReading, StepReadings};
 
 use crate::points::equations::PointPoses;
 use crate::points::{MeasuredPoints, UNDECLARED_SIGMA_UM};
@@ -22,11 +22,11 @@ pub(crate) fn noise_of_coordinates(
         Some(first)
     });
     let firsts: Vec<usize> = firsts.collect();
-    let mut occasions = Vec::new();
+    let mut steps = Vec::new();
     for source in &found.equations.sources {
         let step = &bodies[source.body].steps[source.step];
         for side in [1, -1] {
-            let sightings = measured.readings[source.group]
+            let readings = measured.readings[source.group]
                 .iter()
                 .filter_map(|reading| {
                     let t = source
@@ -35,7 +35,7 @@ pub(crate) fn noise_of_coordinates(
                         .position(|place| *place == reading.place)?;
                     let of_campaign = &points.readings[reading.reading];
                     let is_own = points.stops[reading.visit].direction.sign() == side;
-                    is_own.then(|| Sighting {
+                    is_own.then(|| CoordinateReading {
                         visit: reading.visit,
                         target: firsts[source.body] + t,
                         sigma: of_campaign.sigma_um.unwrap_or(UNDECLARED_SIGMA_UM),
@@ -44,15 +44,15 @@ pub(crate) fn noise_of_coordinates(
                             * (reading.off_mean_mm + step.deltas_mm[t]),
                     })
                 });
-            let mut sightings: Vec<Sighting> = sightings.collect();
-            sightings.sort_by_key(|own| own.visit);
-            if !sightings.is_empty() {
-                occasions.push(Occasion {
+            let mut readings: Vec<CoordinateReading> = readings.collect();
+            readings.sort_by_key(|own| own.visit);
+            if !readings.is_empty() {
+                steps.push(StepReadings {
                     rotation: instrument_from_datum * step.home_from_points.transpose(),
-                    sightings,
+                    readings,
                 });
             }
         }
     }
-    CoordinateNoise::estimated(&occasions)
+    CoordinateNoise::estimated(&steps)
 }

@@ -70,6 +70,9 @@ pub(crate) fn points_report(
             report.factor_degrees_of_freedom = degrees_of_freedom;
         }
     }
+    // A direction that few differences tell has as few degrees of freedom.
+    let freedom = &mut report.factor_degrees_of_freedom;
+    *freedom = freedom.min(noise.degrees_of_freedom());
     let both_sides = !by_direction && approached_from_both_sides(campaign);
     let returns_mm = report.uncertainty_factor * measured.repeatability_variance_mm2.sqrt();
     let sides = match both_sides {

@@ -3,13 +3,14 @@
 use nalgebra::{Point3, Vector3};
 use trueaxis_leastsquares::chi_squared_upper_tail;
 
-use crate::coordinate_noise::likelihood::{Block, Fitted};
-use crate::coordinate_noise::{CoordinateNoise, Occasion};
+use crate::coordinate_noise::block::Block;
+use crate::coordinate_noise::likelihood::Fitted;
+use crate::coordinate_noise::{CoordinateNoise, StepReadings};
 
 /// Significance from which noise is not equal.
 const LEVEL: f64 = 1e-3;
 
-/// Redundancy from which a variance is known well enough to weigh with.
+/// Redundancy from which a variance is known well enough to weigh with: to 30 %.
 const LEAST_REDUNDANCY: f64 = 20.0;
 
 /// Most blocks that are compared, evenly over all: more only take time.
@@ -18,7 +19,7 @@ const MOST_BLOCKS: usize = 100;
 /// Standard deviation of a coordinate below which it was computed, not measured, mm.
 const LEAST_MM: f64 = 1e-7;
 
-/// Visits whose squares exceed those of the best tenth by this factor hold something else than noise.
+/// Visits whose mean squares exceed that of the best tenth by this factor hold something else than noise.
 const NOT_NOISE: f64 = 25.0;
 const BEST_ONE_IN: usize = 10;
 
@@ -40,70 +41,81 @@ const MOST_MOVES: usize = 30;
 
 impl CoordinateNoise {
     /// What the readings say; equal noise where they say nothing else.
-    pub fn estimated(occasions: &[Occasion]) -> Self {
-        let blocks: Vec<Block<'_>> = occasions.iter().flat_map(Block::all_of).collect();
-        let every = blocks.len().div_ceil(MOST_BLOCKS).max(1);
-        let mut blocks: Vec<Block<'_>> = blocks.into_iter().step_by(every).collect();
-        // What is wrong bends the shapes of the bodies, and with these everything else.
-        let equal = loop {
-            let Some(equal) = Fitted::new(&blocks, Self::EQUAL) else {
-                return Self::EQUAL;
-            };
-            let mut sorted = equal.of_blocks.clone();
-            sorted.retain(|mean| *mean > 0.0);
-            sorted.sort_by(f64::total_cmp);
-            let best = sorted.get(sorted.len() / BEST_ONE_IN);
-            let limit = NOT_NOISE * best.copied().unwrap_or(0.0);
-            let (count, mut of_blocks) = (blocks.len(), equal.of_blocks.iter());
-            blocks.retain(|_| of_blocks.next().is_some_and(|mean| *mean <= limit));
-            if blocks.len() == count {
-                break equal;
-            }
+    pub fn estimated(steps: &[StepReadings]) -> Self {
+        let all: Vec<Block<'_>> = steps.iter().flat_map(Block::all_of).collect();
+        let most = all.len().min(MOST_BLOCKS);
+        let blocks: Vec<Block<'_>> = (0..most).map(|k| all[k * all.len() / most]).collect();
+        let Some((kept, equal)) = without_mistakes(&blocks, &Self::EQUAL) else {
+            return Self::EQUAL;
         };
-        match equal.noise.variances[0] > LEAST_MM * LEAST_MM {
-            true => likeliest(&blocks, equal),
-            false => Self::EQUAL,
+        if equal.noise.variances[0] < LEAST_MM * LEAST_MM {
+            return Self::EQUAL;
+        }
+        let found = likeliest(&kept, &equal).and_then(|found| {
+            // By equal noise, points that are far away look like mistakes.
+            let (again, _) = without_mistakes(&blocks, &found.noise)?;
+            match again.len() > kept.len() {
+                true => likeliest(&again, &Fitted::new(&again, Self::EQUAL)?),
+                false => Some(found),
+            }
+        });
+        let readings = steps.iter().flat_map(|step| &step.readings);
+        let points_mm: Vec<Point3<f64>> = readings.map(|own| own.point_mm).collect();
+        found.map_or(Self::EQUAL, |found| {
+            found.expected().of_unit_mean(&points_mm)
+        })
+    }
+}
+
+/// The blocks that hold nothing but noise of this form. What is wrong bends the shapes of the bodies, and with these
+/// everything else: the largest leave first.
+fn without_mistakes<'a>(
+    blocks: &[Block<'a>],
+    noise: &CoordinateNoise,
+) -> Option<(Vec<Block<'a>>, Fitted)> {
+    let mut kept = blocks.to_vec();
+    loop {
+        let fitted = Fitted::new(&kept, noise.clone())?;
+        let mut sorted = fitted.of_blocks.clone();
+        sorted.retain(|mean| *mean > 0.0);
+        sorted.sort_by(f64::total_cmp);
+        let best = sorted.get(sorted.len() / BEST_ONE_IN);
+        let limit = NOT_NOISE * best.copied().unwrap_or(0.0);
+        let (count, mut of_blocks) = (kept.len(), fitted.of_blocks.iter());
+        kept.retain(|_| of_blocks.next().is_some_and(|mean| *mean <= limit));
+        if kept.len() == count {
+            return Some((kept, fitted));
         }
     }
 }
 
-fn likeliest(blocks: &[Block<'_>], equal: Fitted) -> CoordinateNoise {
-    let sightings = blocks.iter().flat_map(|block| block.sightings);
-    let points_mm: Vec<Point3<f64>> = sightings.map(|own| own.point_mm).collect();
-    // By how much the criterion of a noise is better than that of equal noise, if that is significant.
-    let gain = |fitted: &Fitted, parameters: f64| {
+/// The likeliest noise that is not equal, if it is significantly likelier and its variances are known.
+fn likeliest(blocks: &[Block<'_>], equal: &Fitted) -> Option<Fitted> {
+    let readings = blocks.iter().flat_map(|block| block.readings);
+    let points_mm: Vec<Point3<f64>> = readings.map(|own| own.point_mm).collect();
+    // By how much its criterion is better than that of equal noise, if that is significant.
+    let offered = |fitted: Option<Fitted>, parameters: f64| {
+        let fitted = fitted?;
         let two_ln_l = fitted.two_ln_l - equal.two_ln_l;
-        let is_plain = chi_squared_upper_tail(two_ln_l, parameters) < LEVEL;
-        is_plain.then(|| two_ln_l - parameters * equal.redundancy.ln())
+        let is_significant = chi_squared_upper_tail(two_ln_l, parameters) < LEVEL;
+        is_significant.then(|| (two_ln_l - parameters * equal.redundancy.ln(), fitted))
     };
     let fitted = |noise: CoordinateNoise| Fitted::new(blocks, noise);
     let directions = fitted(CoordinateNoise::directions(equal.principal));
+    let directions = offered(directions, OF_DIRECTIONS);
+    let sought = directions
+        .as_ref()
+        .and_then(|(_, fitted)| sought(blocks, &points_mm, fitted));
     let at_origin = fitted(CoordinateNoise::polar(Point3::origin(), &points_mm));
-    let gain_of = |fitted: &Option<Fitted>, parameters: f64| {
-        let gain = fitted.as_ref().and_then(|fitted| gain(fitted, parameters));
-        gain.unwrap_or(0.0)
-    };
-    // An instrument is sought where directions differ, and not as from the origin.
-    let is_elsewhere = gain_of(&directions, OF_DIRECTIONS) > gain_of(&at_origin, OF_POLAR);
-    let sought = match &directions {
-        Some(differ) if is_elsewhere => sought(blocks, &points_mm, differ),
-        _ => None,
-    };
     let all = [
-        (directions, OF_DIRECTIONS),
-        (at_origin, OF_POLAR),
-        (sought, OF_SOUGHT),
+        directions,
+        offered(at_origin, OF_POLAR),
+        offered(sought, OF_SOUGHT),
     ];
-    let offered = all.into_iter().filter_map(|(fitted, parameters)| {
-        let fitted = fitted?;
-        Some((gain(&fitted, parameters)?, fitted))
-    });
-    let best = offered.max_by(|a, b| a.0.total_cmp(&b.0));
+    let best = all.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0));
     // Where the data do not tell the variances of the likeliest form, those of another one would be wrong.
-    let known = best.filter(|(_, best)| best.redundancies.iter().all(|r| *r > LEAST_REDUNDANCY));
-    known.map_or(CoordinateNoise::EQUAL, |(_, best)| {
-        best.expected().of_unit_mean(&points_mm)
-    })
+    let (_, best) = best?;
+    (best.least_redundancy() > LEAST_REDUNDANCY).then_some(best)
 }
 
 /// The instrument of the greatest likelihood, sought from both sides along the direction in which coordinates are best

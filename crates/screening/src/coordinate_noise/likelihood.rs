@@ -17,15 +17,11 @@
 //!
 //! in whose `I` the shapes count as known.
 
-use nalgebra::{
-    Cholesky, DMatrix, DVector, Matrix3, Matrix4, Point3, SymmetricEigen, Vector3, Vector4,
-};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix4, SymmetricEigen, Vector3, Vector4};
 use rayon::prelude::*;
 
-use crate::coordinate_noise::{CoordinateNoise, Occasion, Sighting};
-
-/// Most visits that are adjusted together: more only take time.
-const MOST_VISITS: usize = 4;
+use crate::coordinate_noise::CoordinateNoise;
+use crate::coordinate_noise::block::{Block, RETURNS, Reduced, pseudo_inverse};
 
 /// Variances have converged when none changes by more than this part.
 const CONVERGED: f64 = 3e-3;
@@ -36,32 +32,6 @@ const LONGEST: f64 = 1.5;
 
 /// No variance is smaller than the largest by more: what the points are compared with is not exact, either.
 const LEAST_RATIO: f64 = 1e-5;
-
-/// Eigenvalues below this part of the largest are rounding.
-const DETERMINED: f64 = 1e-10;
-
-/// Visits of one occasion, at most some.
-pub(super) struct Block<'a> {
-    rotation: Matrix3<f64>,
-    pub(super) sightings: &'a [Sighting],
-}
-
-impl<'a> Block<'a> {
-    pub(super) fn all_of(occasion: &'a Occasion) -> Vec<Self> {
-        let all = &occasion.sightings;
-        let visits: Vec<&[Sighting]> = all.chunk_by(|a, b| a.visit == b.visit).collect();
-        let mut first = 0;
-        let chunks = visits.chunks(MOST_VISITS).map(|visits| {
-            let count: usize = visits.iter().map(|own| own.len()).sum();
-            first += count;
-            Self {
-                rotation: occasion.rotation,
-                sightings: &all[first - count..first],
-            }
-        });
-        chunks.collect()
-    }
-}
 
 /// A noise with its likeliest variances, mm².
 #[derive(Debug, Clone)]
@@ -83,9 +53,9 @@ pub(super) struct Fitted {
 impl Fitted {
     /// `None` if nothing is redundant.
     pub(super) fn new(blocks: &[Block<'_>], mut noise: CoordinateNoise) -> Option<Self> {
-        let sightings = || blocks.iter().flat_map(|block| block.sightings);
-        let squares: f64 = sightings().map(|own| own.misfit_mm.norm_squared()).sum();
-        let mean = squares / (3 * sightings().count()) as f64;
+        let readings = || blocks.iter().flat_map(|block| block.readings);
+        let squares: f64 = readings().map(|own| own.misfit_mm.norm_squared()).sum();
+        let mean = squares / (3 * readings().count()) as f64;
         if !(mean > 0.0 && mean.is_finite()) {
             return None;
         }
@@ -111,10 +81,11 @@ impl Fitted {
     ) -> Option<Self> {
         let mut left = Left::new(blocks, &noise, returns)?;
         for _ in 0..most_passes {
-            let before = noise.variances;
+            let before = (noise.variances, returns);
             (noise.variances, returns) = left.variances(&noise, returns);
             left = Left::new(blocks, &noise, returns)?;
-            let mut changes = noise.variances.iter().zip(before);
+            let changes = noise.variances.iter().zip(before.0);
+            let mut changes = changes.chain([(&returns, before.1)]);
             if changes.all(|(now, before)| (now / before - 1.0).abs() < CONVERGED) {
                 break;
             }
@@ -129,21 +100,22 @@ impl Fitted {
             returns,
         })
     }
-}
 
-impl Fitted {
-    /// The noise with the means of its variances given the readings: the likeliest one of few is too small.
+    /// Of the variance that is known least.
+    pub(super) fn least_redundancy(&self) -> f64 {
+        self.redundancies.into_iter().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The noise with the means of its variances given the readings, with the prior 1/σ².
     pub(super) fn expected(&self) -> CoordinateNoise {
         let mut noise = self.noise.clone();
+        noise.degrees_of_freedom = self.least_redundancy();
         for (variance, redundancy) in noise.variances.iter_mut().zip(self.redundancies) {
             *variance *= redundancy / (redundancy - 2.0);
         }
         noise
     }
 }
-
-/// The class of the variance of returns, after those of the directions.
-const RETURNS: usize = 3;
 
 /// What the model leaves of whitened coordinates.
 struct Left {
@@ -159,19 +131,10 @@ struct Left {
     scatter: Matrix3<f64>,
 }
 
-/// A block without pose and returns: `M_A [T y]`, the rows of the returns last, and the diagonal of `M_A`.
-struct Reduced {
-    values: DMatrix<f64>,
-    diagonal: Vec<f64>,
-    /// `Σ M_A,ij² / 2` over the rows of two classes of variances.
-    information: Matrix4<f64>,
-    ln_determinant: f64,
-}
-
 impl Left {
     fn new(blocks: &[Block<'_>], noise: &CoordinateNoise, returns: f64) -> Option<Self> {
-        let sightings = || blocks.iter().flat_map(|block| block.sightings);
-        let targets = sightings().map(|own| own.target + 1).max()?;
+        let readings = || blocks.iter().flat_map(|block| block.readings);
+        let targets = readings().map(|own| own.target + 1).max()?;
         let reduced: Vec<Reduced> = blocks
             .par_iter()
             .map(|block| block.reduced(targets, noise, returns))
@@ -199,7 +162,7 @@ impl Left {
             let by_shape = reduced.values.columns(0, shapes);
             let e = reduced.values.column(shapes) - by_shape * &shape;
             let through = by_shape * &inverse;
-            let of_points = 3 * block.sightings.len();
+            let of_points = 3 * block.readings.len();
             let (mut squares, mut redundancy) = (0.0, 0.0);
             for (i, e_i) in e.iter().enumerate() {
                 let own = reduced.diagonal[i] - through.row(i).dot(&by_shape.row(i));
@@ -218,7 +181,7 @@ impl Left {
             } else {
                 0.0
             });
-            for (own, e) in block.sightings.iter().zip(e.as_slice().chunks_exact(3)) {
+            for (own, e) in block.readings.iter().zip(e.as_slice().chunks_exact(3)) {
                 let rows = noise.at(&own.point_mm).0;
                 let e = rows.transpose() * Vector3::from_column_slice(e);
                 left.scatter += e * e.transpose();
@@ -264,153 +227,58 @@ impl Left {
     }
 }
 
-impl Block<'_> {
-    fn reduced(&self, targets: usize, noise: &CoordinateNoise, returns: f64) -> Reduced {
-        let count = self.sightings.len();
-        let mut visits: Vec<usize> = self.sightings.iter().map(|own| own.visit).collect();
-        visits.dedup();
-        let centre = self.sightings.iter().map(|own| own.point_mm.coords);
-        let centre = Point3::from(centre.sum::<Vector3<f64>>() / count as f64);
-        let arms = || self.sightings.iter().map(|own| own.point_mm - centre);
-        let squares: f64 = arms().map(|arm| arm.norm_squared()).sum();
-        let usual_mm = (squares / count as f64).sqrt().max(f64::MIN_POSITIVE);
-        // One visit alone does not differ from its pose.
-        let returning = if visits.len() > 1 {
-            3 * visits.len()
-        } else {
-            0
-        };
-        let mut motion = DMatrix::zeros(3 * count + returning, 6 + returning);
-        let mut values = DMatrix::zeros(3 * count + returning, 3 * targets + 1);
-        let (mut visit, mut ln_variances) = (0, 0.0);
-        for (i, (own, arm)) in self.sightings.iter().zip(arms()).enumerate() {
-            if own.visit != visits[visit] {
-                visit += 1;
-            }
-            let (rows, variances) = noise.at(&own.point_mm);
-            let sigmas = variances.map(|variance| own.sigma * variance.sqrt());
-            ln_variances += 2.0 * sigmas.iter().map(|sigma| sigma.ln()).sum::<f64>();
-            let whiten = Matrix3::from_diagonal(&sigmas.map(f64::recip).into()) * rows;
-            let put = |into: &mut DMatrix<f64>, column: usize, block: Matrix3<f64>| {
-                into.fixed_view_mut::<3, 3>(3 * i, column).copy_from(&block);
-            };
-            put(&mut motion, 0, whiten);
-            put(&mut motion, 3, whiten * -(arm / usual_mm).cross_matrix());
-            if returning > 0 {
-                put(&mut motion, 6 + 3 * visit, whiten);
-            }
-            put(&mut values, 3 * own.target, whiten * self.rotation);
-            let y = whiten * own.misfit_mm;
-            values
-                .fixed_view_mut::<3, 1>(3 * i, 3 * targets)
-                .copy_from(&y);
-        }
-        for k in 0..returning {
-            motion[(3 * count + k, 6 + k)] = returns.sqrt().recip();
-        }
-        ln_variances += returning as f64 * returns.ln();
-        let (inverse, ln_determinant) = pseudo_inverse(motion.tr_mul(&motion));
-        let through = &motion * inverse;
-        let taken = motion.tr_mul(&values);
-        values.gemm(-1.0, &through, &taken, 1.0);
-        let projector =
-            DMatrix::identity(motion.nrows(), motion.nrows()) - &through * motion.transpose();
-        let class = |row: usize| match row < 3 * count {
-            true => noise.classes()[row % 3],
-            false => RETURNS,
-        };
-        let mut information = Matrix4::zeros();
-        for j in 0..motion.nrows() {
-            for i in 0..motion.nrows() {
-                information[(class(i), class(j))] += 0.5 * projector[(i, j)].powi(2);
-            }
-        }
-        Reduced {
-            values,
-            diagonal: projector.diagonal().as_slice().to_vec(),
-            information,
-            ln_determinant: ln_variances + ln_determinant,
-        }
-    }
-}
-
-/// The pseudo-inverse of a normal matrix, and the logarithm of the product of its eigenvalues that are not 0.
-fn pseudo_inverse(normal: DMatrix<f64>) -> (DMatrix<f64>, f64) {
-    let least = DETERMINED * normal.diagonal().amax();
-    if let Some(cholesky) = Cholesky::new(normal.clone()) {
-        let pivots = cholesky.l_dirty().diagonal();
-        if pivots.iter().all(|pivot| pivot * pivot > least) {
-            let ln_determinant = pivots.iter().map(|pivot| 2.0 * pivot.ln()).sum();
-            return (cholesky.inverse(), ln_determinant);
-        }
-    }
-    let eigen = SymmetricEigen::new(normal);
-    let least = DETERMINED * eigen.eigenvalues.amax();
-    let (mut inverse, mut ln_determinant) = (
-        DMatrix::zeros(eigen.eigenvectors.nrows(), eigen.eigenvectors.nrows()),
-        0.0,
-    );
-    for (value, vector) in eigen
-        .eigenvalues
-        .iter()
-        .zip(eigen.eigenvectors.column_iter())
-    {
-        if *value > least {
-            inverse.ger(1.0 / value, &vector, &vector, 1.0);
-            ln_determinant += value.ln();
-        }
-    }
-    (inverse, ln_determinant)
-}
-
 #[cfg(test)]
 mod tests {
+    use nalgebra::Point3;
     use trueaxis_leastsquares::dense::Svd;
+
+    use crate::coordinate_noise::{CoordinateReading, StepReadings};
 
     use super::*;
 
     /// Two steps of three targets, the first one visited twice.
-    fn occasions() -> Vec<Occasion> {
+    fn steps() -> Vec<StepReadings> {
         let wild = |i: usize| ((7 * i * i + 3 * i) as f64).sin();
         let shape = [[0.0, 0.0, 0.0], [200.0, 30.0, -10.0], [40.0, 150.0, 60.0]];
         let mut count = 0;
-        let mut sighting = |visit: usize, target: usize, x_mm: f64| {
+        let mut reading = |visit: usize, target: usize, x_mm: f64| {
             count += 4;
             let home_mm = Vector3::from(shape[target]);
-            Sighting {
+            let misfit_mm = Vector3::from_fn(|k, _| 1e-3 * wild(count + k));
+            CoordinateReading {
                 visit,
                 target,
                 sigma: 1.0 + 0.3 * target as f64,
-                point_mm: Point3::from(home_mm + Vector3::new(x_mm, 900.0, -300.0)),
-                misfit_mm: Vector3::from_fn(|k, _| 1e-3 * wild(count + k)),
+                point_mm: Point3::from(home_mm + Vector3::new(x_mm, 900.0, -300.0) + misfit_mm),
+                misfit_mm,
             }
         };
-        let mut occasion = |visits: std::ops::Range<usize>, x_mm: f64| Occasion {
+        let mut step = |visits: std::ops::Range<usize>, x_mm: f64| StepReadings {
             rotation: Matrix3::identity(),
-            sightings: visits
+            readings: visits
                 .flat_map(|visit| [0, 1, 2].map(|target| (visit, target)))
-                .map(|(visit, target)| sighting(visit, target, x_mm))
+                .map(|(visit, target)| reading(visit, target, x_mm))
                 .collect(),
         };
-        vec![occasion(0..2, 0.0), occasion(2..3, 400.0)]
+        vec![step(0..2, 0.0), step(2..3, 400.0)]
     }
 
     /// With the whole covariance, and columns of which an independent set is chosen by their singular values.
-    fn dense(occasions: &[Occasion], noise: &CoordinateNoise, returns: f64) -> f64 {
-        let all: Vec<(usize, &Sighting)> = occasions
+    fn dense(steps: &[StepReadings], noise: &CoordinateNoise, returns: f64) -> f64 {
+        let all: Vec<(usize, &CoordinateReading)> = steps
             .iter()
             .enumerate()
-            .flat_map(|(o, own)| own.sightings.iter().map(move |sighting| (o, sighting)))
+            .flat_map(|(o, own)| own.readings.iter().map(move |reading| (o, reading)))
             .collect();
         let rows = 3 * all.len();
         let mut covariance = DMatrix::zeros(rows, rows);
-        let mut columns = DMatrix::zeros(rows, 6 * occasions.len() + 9);
+        let mut columns = DMatrix::zeros(rows, 6 * steps.len() + 9);
         let mut y = DVector::zeros(rows);
-        for (i, (occasion, own)) in all.iter().enumerate() {
+        for (i, (step, own)) in all.iter().enumerate() {
             for (j, (_, other)) in all.iter().enumerate() {
                 let mut block = Matrix3::zeros();
                 // A visit alone does not differ from its pose.
-                if own.visit == other.visit && *occasion == 0 {
+                if own.visit == other.visit && *step == 0 {
                     block += Matrix3::from_diagonal_element(returns);
                 }
                 if i == j {
@@ -420,15 +288,16 @@ mod tests {
                     .fixed_view_mut::<3, 3>(3 * i, 3 * j)
                     .copy_from(&block);
             }
-            let arm = own.point_mm - occasions[*occasion].sightings[0].point_mm;
+            let modelled_mm = |own: &CoordinateReading| own.point_mm - own.misfit_mm;
+            let arm = modelled_mm(own) - modelled_mm(&steps[*step].readings[0]);
             let mut put = |column: usize, block: Matrix3<f64>| {
                 columns
                     .fixed_view_mut::<3, 3>(3 * i, column)
                     .copy_from(&block);
             };
-            put(6 * occasion, Matrix3::identity());
-            put(6 * occasion + 3, -(arm / 100.0).cross_matrix());
-            put(6 * occasions.len() + 3 * own.target, Matrix3::identity());
+            put(6 * step, Matrix3::identity());
+            put(6 * step + 3, -(arm / 100.0).cross_matrix());
+            put(6 * steps.len() + 3 * own.target, Matrix3::identity());
             y.fixed_rows_mut::<3>(3 * i).copy_from(&own.misfit_mm);
         }
         let svd = Svd::new(&columns).unwrap();
@@ -444,11 +313,11 @@ mod tests {
     /// The constant that the columns add is the same for all noises.
     #[test]
     fn the_likelihood_is_that_of_the_whole_covariance() {
-        let occasions = occasions();
-        let blocks: Vec<Block<'_>> = occasions.iter().flat_map(Block::all_of).collect();
-        let points: Vec<Point3<f64>> = occasions
+        let steps = steps();
+        let blocks: Vec<Block<'_>> = steps.iter().flat_map(Block::all_of).collect();
+        let points: Vec<Point3<f64>> = steps
             .iter()
-            .flat_map(|own| own.sightings.iter().map(|sighting| sighting.point_mm))
+            .flat_map(|own| own.readings.iter().map(|reading| reading.point_mm))
             .collect();
         let noises = [
             (CoordinateNoise::EQUAL, [1e-6; 3], 1e-6),
@@ -467,7 +336,7 @@ mod tests {
         let constants = noises.map(|(mut noise, variances, returns)| {
             noise.variances = variances;
             let own = Left::new(&blocks, &noise, returns).unwrap().two_ln_l;
-            own - dense(&occasions, &noise, returns)
+            own - dense(&steps, &noise, returns)
         });
         for constant in constants {
             let off = constant - constants[0];
