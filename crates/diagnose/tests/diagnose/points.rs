@@ -236,8 +236,13 @@ fn a_gross_error_is_found_with_its_line() {
 /// repeatability it was clean at any size, and calibrated. The others of its step are three stops.
 #[test]
 fn a_stop_that_is_off_leaves_with_its_lines() {
-    for (seed, stop, off_mm) in [(15, 100, 0.2), (16, 31, 0.2), (17, 200, 0.02)] {
-        let mut campaign = made(&Plan::THREE_AXES, &[], seed);
+    for (plan, seed, stop, off_mm) in [
+        (Plan::THREE_AXES, 15, 100, 0.2),
+        (Plan::THREE_AXES, 16, 31, 0.2),
+        (Plan::THREE_AXES, 17, 200, 0.02),
+        (TRACKER, 18, 60, 0.05),
+    ] {
+        let mut campaign = made(&plan, &[], seed);
         let points = campaign.points.as_mut().unwrap();
         let rows = points.stops[stop].readings.clone();
         for reading in &mut points.readings[rows.clone()] {
