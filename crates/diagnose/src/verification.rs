@@ -86,7 +86,6 @@ use crate::verification::omnibus::differs_by_cycle;
 use crate::verification::order::{put_in_order, takes_turns};
 use crate::verification::problem::Problem;
 use crate::verification::read_again::read_again;
-use crate::verification::resolution::hidden_um;
 use crate::verification::series::Series;
 use crate::verification::stops::gross_errors_within_stops;
 use crate::verification::together::together;
@@ -215,7 +214,7 @@ fn judged<'a>(
     outcome
         .notices
         .extend(doubts.map(|doubt| format!("{name}: {doubt}")));
-    let Some(resolution_um) = comparison.resolution_um() else {
+    let Some(digit) = comparison.digit else {
         let why = match comparison.arrivals.as_slice() {
             [stop] if stop.readings > 1 => {
                 "all readings are of one stop, and count as one; number them in `cycle`, one after the other, to have them judged for \
@@ -230,8 +229,9 @@ fn judged<'a>(
         return None;
     };
     let scatter_um = noise_floor_um(comparison);
+    let resolution_um = digit.of_stop_um();
     let hidden_um = scatter_um.map_or(0.0, |scatter_um| {
-        hidden_um(resolution_um, scatter_um, repeats(comparison))
+        digit.hidden_um(scatter_um, repeats(comparison))
     });
     let floor_um = scatter_um.map(|scatter_um| scatter_um.max(resolution_um).hypot(hidden_um));
     let posed = |noise: Noise| {

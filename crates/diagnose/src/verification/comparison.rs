@@ -13,7 +13,7 @@ use trueaxis_predict::{
 use crate::engine::waves_of;
 use crate::extremes::extremes;
 use crate::verification::arrivals::{Arrival, are_timed, arrivals, groups_in_order, is_same};
-use crate::verification::resolution::resolution_um;
+use crate::verification::resolution::Digit;
 use crate::verification::whitening::lags;
 
 /// A change of a reading for a unit of a parameter below which it counts as none, µm.
@@ -30,6 +30,8 @@ pub(crate) struct Comparison<'a> {
     pub(crate) arrivals: Vec<Arrival>,
     /// For each arrival the time since the previous one, in units of the usual time.
     pub(crate) lags: Vec<f64>,
+    /// The last digit of the readings; `None` if all arrivals are equal.
+    pub(crate) digit: Option<Digit>,
     /// Measured minus predicted, µm.
     pub(crate) difference_um: Vec<f64>,
     /// Position of the measured point, and the direction in which its displacement counts.
@@ -95,6 +97,7 @@ impl<'a> Comparison<'a> {
             taken_out: taken_out.cloned().collect(),
             timed,
             lags: lags(&arrivals, timed),
+            digit: digit(verification, &arrivals),
             arrivals,
         };
         let axis = comparison.axis();
@@ -259,9 +262,9 @@ impl<'a> Comparison<'a> {
         stays.count() == self.positions(axis).len()
     }
 
-    /// Standard uncertainty of a reading from its last digit, µm. `None` if all are equal.
+    /// Standard uncertainty of an arrival from the last digit of its readings, µm. `None` if all are equal.
     pub(crate) fn resolution_um(&self) -> Option<f64> {
-        resolution_um(self.arrivals.iter().map(|a| a.value_um))
+        self.digit.map(|digit| digit.of_stop_um())
     }
 
     /// The unit of a count: without a clock times count readings.
@@ -272,6 +275,17 @@ impl<'a> Comparison<'a> {
             _ => unit,
         }
     }
+}
+
+/// The last digit of readings; `None` if all arrivals are equal.
+fn digit(verification: &Verification, arrivals: &[Arrival]) -> Option<Digit> {
+    let [low, high] = extremes(arrivals.iter().map(|a| a.value_um));
+    let values_um = verification.readings.iter().map(|r| r.value_um);
+    let values_um: Vec<f64> = values_um.collect();
+    let mut rest = values_um.as_slice();
+    let stop = |arrival: &Arrival| rest.split_off(..arrival.readings);
+    let stops: Vec<&[f64]> = arrivals.iter().filter_map(stop).collect();
+    (high > low).then(|| Digit::new(&stops)).flatten()
 }
 
 /// Positions of the axes while each one was calibrated; home where an axis stood at several positions.

@@ -11,6 +11,7 @@ mod beyond;
 mod calibrated_lines;
 mod circles;
 mod clean;
+mod coarse;
 mod copied;
 mod correlated;
 mod counts;
