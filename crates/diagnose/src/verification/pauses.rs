@@ -3,20 +3,22 @@
 //! A drift goes on meanwhile. By row numbers it is then quicker between cycles than within them, where it is slower
 //! by what grows on the way there and falls on the way back: lost motion that changes along the axis. Pauses have two
 //! extremes, none and all of the time: the drift as the rows show it, or an offset of each cycle instead. If lost
-//! motion differs in sign between them, some pauses leave none; the distance is in its uncertainty.
+//! motion differs in sign between them, some pauses leave none; the distance is in its uncertainty, and in that of
+//! the drift, which over five cycles is a fifth smaller where all of it passes in pauses of one length.
 
-use trueaxis_effects::{BACKLASH, Level, POSITION_DEPENDENT_BACKLASH};
-use trueaxis_selection::{Fit, Score};
+use trueaxis_effects::{BACKLASH, Level, POSITION_DEPENDENT_BACKLASH, Shape};
+use trueaxis_selection::{Fit, Hypothesis, Score};
 
 use crate::Rival;
 use crate::engine::JudgedDisturbance;
 use crate::engine::disturbance::{Wanderer, Who, With};
 use crate::engine::linear::{Chosen, Listed, without};
+use crate::verification::arrivals::groups_in_order;
 use crate::verification::base::{count, cycles, indicators};
 use crate::verification::problem::Problem;
-use crate::verification::wanderer::{INSTRUMENT, confounded};
+use crate::verification::wanderer::{INSTRUMENT, confounded, is_of_cycle};
 
-/// Consequences of unknown pauses for lost motion beside a cause in time.
+/// Consequences of unknown pauses for lost motion beside a cause in time, and for this.
 pub(crate) struct ByPauses {
     /// The constant lost motion; or if none is needed, the disturbance in time.
     pub(crate) rivals: Vec<Rival>,
@@ -24,8 +26,8 @@ pub(crate) struct ByPauses {
     pub(crate) shift: Vec<f64>,
 }
 
-/// What pauses leave of lost motion, cause `k` with its fit to observations of this variance, beside causes in time
-/// or disturbances; `None` where pauses do not matter.
+/// What pauses leave of cause `k` with its fit to observations of this variance: of what goes with the progress of
+/// time, or of lost motion beside causes in time or disturbances; `None` where pauses do not matter.
 pub(crate) fn by_pauses(
     problem: &Problem<'_>,
     (causes, wandering): (&[Chosen], &[JudgedDisturbance]),
@@ -34,6 +36,9 @@ pub(crate) fn by_pauses(
 ) -> Option<ByPauses> {
     let (comparison, listed) = (problem.comparison, &problem.listed);
     let own = listed.hypothesis(&causes[k]);
+    if !comparison.timed && goes_with_progress(own) {
+        return in_pauses(problem, causes, (k, fit), variance);
+    }
     let is_lost_motion = own.effect.is_lost_motion() && own.subject.axis == comparison.line();
     let is_of_time = |cause: &Chosen| listed.hypothesis(cause).is_of_time();
     let wanders = wandering
@@ -63,22 +68,11 @@ pub(crate) fn by_pauses(
     let all_in_pauses = sized(&without_time, number);
     // Beside the slope nothing shows what drifts within the cycles; beside a constant it may be seen.
     let as_seen = (straight == 1).then(|| sized(causes, k));
-    let u_of = |fit: &Fit, i: usize| (fit.covariance[i * straight + i].max(0.0) * variance).sqrt();
-    let shift = |i: usize| {
-        let most = match all_in_pauses.seen[i] {
-            true => all_in_pauses.estimates[i] - fit.estimates[i],
-            false => 0.0,
-        };
-        let seen = as_seen.as_ref().filter(|seen| seen.seen[i]);
-        let bound = seen.map_or(f64::INFINITY, |seen| {
-            (seen.estimates[i] - fit.estimates[i]).abs() + COVERAGE * u_of(seen, i)
-        });
-        most.signum() * most.abs().min(bound)
-    };
+    let shift = |i: usize| towards(&all_in_pauses, as_seen.as_ref(), (fit, i), variance);
     let vanishes = |i: usize| {
         let (value, other) = (fit.estimates[i], fit.estimates[i] + shift(i));
         all_in_pauses.seen[i]
-            && (value * other <= 0.0 || other.abs() < COVERAGE * u_of(&all_in_pauses, i))
+            && (value * other <= 0.0 || other.abs() < COVERAGE * u(&all_in_pauses, i, variance))
     };
     let vanishing = [0, 1].map(|i| i >= straight || vanishes(i));
     let rivals = match vanishing {
@@ -96,6 +90,80 @@ pub(crate) fn by_pauses(
         rivals,
         shift: (0..straight).map(shift).collect(),
     })
+}
+
+/// Whether a cause grows with the progress of time, and has no time of its own.
+fn goes_with_progress(own: &Hypothesis) -> bool {
+    own.effect.shape == Shape::Fixed && (own.is_of_time() || own.effect.grows_axis())
+}
+
+/// The same where time passes in pauses of one length between the cycles: all of it, and with a part of its own within
+/// them that the readings show. `None` without a pause.
+fn in_pauses(
+    problem: &Problem<'_>,
+    causes: &[Chosen],
+    (k, fit): (usize, &Fit),
+    variance: f64,
+) -> Option<ByPauses> {
+    let listed = &problem.listed;
+    let mut paused = problem.comparison.clone();
+    let cycles = groups_in_order(&paused.arrivals, is_of_cycle);
+    let last = count(&cycles).checked_sub(1).filter(|last| *last > 0)?;
+    for (arrival, cycle) in paused.arrivals.iter_mut().zip(cycles) {
+        arrival.progress = cycle as f64 / last as f64;
+    }
+    let of_pauses = |cause: &Chosen| -> Vec<Vec<f64>> {
+        let own = listed.hypothesis(cause);
+        let column = |i| problem.whiten(&paused.column(own.effect, &own.subject, i, cause.shape));
+        match goes_with_progress(own) {
+            true => (0..listed.candidates[cause.candidate].plausible.len())
+                .map(column)
+                .collect(),
+            false => listed.columns_of(cause),
+        }
+    };
+    let own = of_pauses(&causes[k]);
+    let others = without(causes, k);
+    let beside: Vec<Vec<f64>> = others.iter().flat_map(of_pauses).collect();
+    let all_in_pauses = Fit::new(&listed.base.extended(&beside), &own);
+    // With a part of it in the pauses; all of it is the first value.
+    let over_rows = listed.columns_of(&causes[k]);
+    let less_rows = |(own, over_rows): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+        own.iter().zip(over_rows).map(|(a, b)| a - b).collect()
+    };
+    let more: Vec<Vec<f64>> = own.iter().zip(&over_rows).map(less_rows).collect();
+    let as_seen = Fit::new(&listed.with(&others), &[over_rows, more].concat());
+    let shift = |i: usize| towards(&all_in_pauses, Some(&as_seen), (fit, i), variance);
+    Some(ByPauses {
+        rivals: Vec::new(),
+        shift: (0..fit.estimates.len()).map(shift).collect(),
+    })
+}
+
+/// Distance of the other extreme from value `i`, no further than the readings show it if they do.
+fn towards(
+    all_in_pauses: &Fit,
+    as_seen: Option<&Fit>,
+    (fit, i): (&Fit, usize),
+    variance: f64,
+) -> f64 {
+    if !all_in_pauses.seen[i] {
+        return 0.0;
+    }
+    let most = all_in_pauses.estimates[i] - fit.estimates[i];
+    let bound = match as_seen.filter(|seen| seen.seen[i]) {
+        Some(seen) => {
+            (seen.estimates[i] - fit.estimates[i]).abs() + COVERAGE * u(seen, i, variance)
+        }
+        None => f64::INFINITY,
+    };
+    most.signum() * most.abs().min(bound)
+}
+
+/// Standard uncertainty of a value from observations of this variance.
+fn u(fit: &Fit, i: usize, variance: f64) -> f64 {
+    let place = i * fit.estimates.len() + i;
+    (fit.covariance[place].max(0.0) * variance).sqrt()
 }
 
 /// A whitened offset of each cycle but the first, which has that of the line; where the scale wanders a slope, too.

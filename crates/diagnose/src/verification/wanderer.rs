@@ -331,7 +331,8 @@ fn parts(comparison: &Comparison<'_>) -> Vec<[usize; 2]> {
     parts.map(|(&pass, cycle)| [pass, cycle]).collect()
 }
 
-fn is_of_cycle(a: &Arrival, b: &Arrival) -> bool {
+/// Whether two consecutive arrivals belong to one cycle.
+pub(crate) fn is_of_cycle(a: &Arrival, b: &Arrival) -> bool {
     a.cycle == b.cycle
 }
 
