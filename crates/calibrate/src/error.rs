@@ -36,26 +36,9 @@ pub enum Error {
         /// Largest component of ε there, degrees.
         rotation_deg: f64,
     },
-    /// The targets of a run are displaced between two of its steps, and stay so.
-    #[error(
-        "axis {axis}: its targets do not move as commanded: between {between} they are displaced by up to {displaced_mm:.0} mm, \
-         and stay so; either they were moved or remounted there, or the axis jumped (encoder, drive, or positions in the \
-         table); a jump of {axis} by {jump} leaves {left_mm:.0} mm of it; {conclusion}"
-    )]
-    DisplacedOnce {
-        /// The axis.
-        axis: String,
-        /// The last step before it and the first one after it.
-        between: String,
-        /// Largest displacement of a target, mm.
-        displaced_mm: f64,
-        /// The jump of the axis that explains most of it, with its unit.
-        jump: String,
-        /// Largest displacement of a target that the jump leaves, mm.
-        left_mm: f64,
-        /// Which of the two explanations the data speak for, and what to do.
-        conclusion: &'static str,
-    },
+    /// The targets of a run are displaced once.
+    #[error(transparent)]
+    DisplacedOnce(#[from] trueaxis_mistakes::DisplacedOnce),
     /// More than one axis moves in a run.
     #[error(
         "run {run} is of axis {axis}, but {other} moves as well ({step}): its errors would be taken for \
@@ -124,7 +107,7 @@ impl Error {
             self,
             Self::NotConverged { .. }
                 | Self::NotThatMotion { .. }
-                | Self::DisplacedOnce { .. }
+                | Self::DisplacedOnce(_)
                 | Self::Poses(
                     Poses::NotConverged { .. }
                         | Poses::NotTrustworthy { .. }

@@ -4,7 +4,6 @@ pub(crate) mod apply_frame;
 pub(crate) mod axis_data;
 pub(crate) mod basis;
 pub(crate) mod context;
-pub(crate) mod displaced;
 pub(crate) mod frame;
 pub(crate) mod gauge;
 pub(crate) mod identify_axes;

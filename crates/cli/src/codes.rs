@@ -177,7 +177,7 @@ fn of_calibrate(error: &Calibrate) -> &'static str {
         Calibrate::Poses(error) => of_poses(error),
         Calibrate::Mistaken { error, .. } => of_calibrate(error),
         Calibrate::NotConverged { .. } => "E307",
-        Calibrate::NotThatMotion { .. } | Calibrate::DisplacedOnce { .. } => "E402",
+        Calibrate::NotThatMotion { .. } | Calibrate::DisplacedOnce(_) => "E402",
         Calibrate::SeveralAxesMove { .. } => "E403",
         Calibrate::TooLarge { .. } => "E610",
     }

@@ -10,7 +10,7 @@
 //!
 //! Noun in: a [`trueaxis_campaign::Campaign`], and how one is calibrated (a function to a [`Trial`]); noun out: an
 //! explanation for the user ([`Mistakes::explanation`]). [`Mistakes::lost_sweeps`] explains sweeps of which most lengths were
-//! thrown away.
+//! thrown away. [`displaced_once`] distinguishes targets that were moved in the course of a run from an axis that jumped.
 //!
 //! ```
 //! use trueaxis_campaign::Campaign;
@@ -29,6 +29,7 @@
 //!
 //! It finds one mistake at a time, and none that no length or point contradicts.
 
+mod displaced;
 mod elsewhere;
 mod lost_sweeps;
 mod mistake;
@@ -40,6 +41,7 @@ mod setups;
 mod shown;
 mod suspects;
 
+pub use displaced::{DisplacedOnce, displaced_once};
 pub use off_nominal::OffNominal;
 pub use search::{MOST_ACCIDENTS, Mistakes, PredictedLengths, Refused, Trial};
 pub use shown::{FoundTarget, common_scale, targets_elsewhere};

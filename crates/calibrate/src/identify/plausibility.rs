@@ -1,11 +1,11 @@
 //! Converged results that are no calibration.
 
 use trueaxis_kinematics::MotionError;
+use trueaxis_mistakes::displaced_once;
 use trueaxis_poses::{AdjustmentReport, step_in_words};
 
 use crate::Error;
 use crate::identify::context::Context;
-use crate::identify::displaced::displaced_once;
 use crate::identify::identify_axes::Identified;
 
 /// Component errors beyond these are not errors but another motion: wrong unit, sign or axis.
@@ -24,8 +24,9 @@ pub(crate) fn check_motion(context: &Context<'_>, identified: &Identified) -> Re
         let worst = nodes.max_by(|(a, _), (b, _)| size(a).total_cmp(&size(b)));
         if let Some((error, poses)) = worst.filter(|(error, _)| size(error) > 1.0) {
             let worst = &data.poses[poses[0]];
-            if let Some(displaced) = displaced_once(context, k, worst.run) {
-                return Err(displaced);
+            let run = data.runs[worst.run].run;
+            if let Some(displaced) = displaced_once(context.campaign, context.poses, run) {
+                return Err(displaced.into());
             }
             let step = context.poses.observations[worst.index].step;
             return Err(Error::NotThatMotion {
