@@ -44,4 +44,4 @@ mod suspects;
 pub use displaced::{DisplacedOnce, displaced_once};
 pub use off_nominal::OffNominal;
 pub use search::{MOST_ACCIDENTS, Mistakes, PredictedLengths, Refused, Trial};
-pub use shown::{FoundTarget, common_scale, targets_elsewhere};
+pub use shown::{FoundTarget, absurd_scale, common_scale, stations_elsewhere, targets_elsewhere};

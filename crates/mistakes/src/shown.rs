@@ -15,6 +15,12 @@ const COMMON_SCALE: f64 = 50e-6;
 /// Part of their mean by which scales that are alike differ from it at most.
 const ALIKE: f64 = 0.1;
 
+/// A scale of the instrument beyond this gets a notice: no laser in corrected air is that bad.
+const ABSURD_SCALE: f64 = 50e-6;
+
+/// Error of a paced-off position of a station, mm.
+const APPROXIMATE_MM: f64 = 500.0;
+
 /// Thermal expansion of steel, 1/K.
 const STEEL_PER_K: f64 = 11.5e-6;
 
@@ -36,6 +42,38 @@ pub fn common_scale(scales: &[(&str, f64)]) -> Option<String> {
             mean / STEEL_PER_K
         )
     })
+}
+
+/// The notice about a scale of the lengths by known lengths that is more likely a mistake in one of these; positive where
+/// lengths are shown too long.
+pub fn absurd_scale(scale: f64) -> Option<String> {
+    let side = if scale > 0.0 { "long" } else { "short" };
+    (scale.abs() > ABSURD_SCALE).then(|| {
+        format!(
+            "lengths are shown too {side} by {:.0} ppm against known lengths, and all results were scaled by that: check `length_mm` of the \
+             known lengths, and whether the lengths are corrected for the air",
+            1e6 * scale.abs()
+        )
+    })
+}
+
+/// The notices about stations that were found, in the order of the campaign, far from their rough positions there.
+pub fn stations_elsewhere(
+    campaign: &Campaign,
+    found_mm: impl Iterator<Item = Point3<f64>>,
+) -> Vec<String> {
+    let stations = campaign.stations.iter().zip(found_mm);
+    let elsewhere = stations.filter_map(|(station, found_mm)| {
+        let distance_mm = (found_mm - station.approx_mm?).norm();
+        (distance_mm > APPROXIMATE_MM).then(|| {
+            format!(
+                "station {} was found {distance_mm:.0} mm from its approx_mm: check its name and \
+                 `approx_mm`",
+                station.name
+            )
+        })
+    });
+    elsewhere.collect()
 }
 
 /// The notice about targets of one stage that are not at their nominal positions relative to the others. Nominal

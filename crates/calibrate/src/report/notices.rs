@@ -2,24 +2,16 @@
 
 use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::{ARCSEC, AxisKind, Component, MICROMETRE};
-use trueaxis_mistakes::{common_scale, targets_elsewhere};
+use trueaxis_mistakes::{absurd_scale, common_scale, stations_elsewhere, targets_elsewhere};
 use trueaxis_poses::{ScaleBasis, ScaleResult};
 
 use crate::report::home::homes_out_of_reach;
-use crate::result::calibration::{
-    AxisResult, Calibration, NodeResult, StationResult, TargetResult,
-};
-
-/// Error of a paced-off position of a station, mm.
-const APPROXIMATE_MM: f64 = 500.0;
+use crate::result::calibration::{AxisResult, Calibration, NodeResult, TargetResult};
 
 /// Linear errors and tilts beyond these get a notice: no machine in use is that bad, but a mistyped position or
 /// direction is.
 const ABSURD_MM: f64 = 1.0;
 const ABSURD_RAD: f64 = 5e-3;
-
-/// A scale beyond this gets a notice: no laser in corrected air is that bad.
-const ABSURD_SCALE: f64 = 50e-6;
 
 /// The notices about a calibration beside those about its poses.
 pub(crate) fn notices(
@@ -36,8 +28,10 @@ pub(crate) fn notices(
     notices.extend(homes_out_of_reach(campaign, axes));
     notices.extend(elsewhere(campaign, &calibration.targets));
     notices.extend(axes.iter().flat_map(absurd_errors));
-    notices.extend(stations_elsewhere(campaign, &calibration.stations));
-    notices.extend(absurd_scale(calibration));
+    let stations_mm = calibration.stations.iter().map(|s| s.position_mm);
+    notices.extend(stations_elsewhere(campaign, stations_mm));
+    let scale = calibration.scale.map(|scale| scale.value);
+    notices.extend(scale.and_then(absurd_scale));
     if mirror_image_open {
         notices.push(
             "all points lie in one plane, and the lengths fit as well with all stations on its other side: \
@@ -166,19 +160,6 @@ pub(crate) fn absurd_errors(axis: &AxisResult) -> Vec<String> {
     found
 }
 
-/// A scale by known lengths that is more likely a mistake in one of these.
-fn absurd_scale(calibration: &Calibration) -> Option<String> {
-    let scale = calibration
-        .scale
-        .filter(|scale| scale.value.abs() > ABSURD_SCALE)?;
-    let side = if scale.value > 0.0 { "long" } else { "short" };
-    Some(format!(
-        "lengths are shown too {side} by {:.0} ppm against known lengths, and all results were scaled by that: check `length_mm` of the \
-         known lengths, and whether the lengths are corrected for the air",
-        1e6 * scale.value.abs()
-    ))
-}
-
 /// Targets that are not at their nominal positions.
 pub(crate) fn elsewhere(campaign: &Campaign, targets: &[TargetResult]) -> Vec<String> {
     let found = targets.iter().map(|t| (t.name.as_str(), t.position_mm));
@@ -200,20 +181,4 @@ pub(crate) fn longer_alike(calibration: &Calibration) -> Option<String> {
     let scales = linear.filter_map(|axis| Some((axis.name.as_str(), scale(axis)?)));
     let is_known = |scale: ScaleResult| scale.basis != ScaleBasis::Declared;
     common_scale(&scales.collect::<Vec<_>>()).filter(|_| !calibration.scale.is_some_and(is_known))
-}
-
-/// Stations that are far from their rough positions in the campaign.
-fn stations_elsewhere(campaign: &Campaign, found: &[StationResult]) -> Vec<String> {
-    let stations = campaign.stations.iter().zip(found);
-    let elsewhere = stations.filter_map(|(station, found)| {
-        let distance_mm = (found.position_mm - station.approx_mm?).norm();
-        (distance_mm > APPROXIMATE_MM).then(|| {
-            format!(
-                "station {} was found {distance_mm:.0} mm from its approx_mm: check its name and \
-                 `approx_mm`",
-                station.name
-            )
-        })
-    });
-    elsewhere.collect()
 }
