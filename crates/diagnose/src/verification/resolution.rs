@@ -133,7 +133,7 @@ mod tests {
             let (mut squares, mut scatter) = (0.0, 0.0);
             let mut stops = Vec::new();
             for _ in 0..places {
-                let place: f64 = generator.random_range(-0.5..0.5);
+                let place: f64 = generator.random_range(-50.0..50.0);
                 let mut noise = || (0..12).map(|_| generator.random::<f64>()).sum::<f64>() - 6.0;
                 let mut stop = || -> Vec<f64> {
                     let at = place + between * noise();
