@@ -84,7 +84,7 @@ pub struct Point {
     pub predicted_um: f64,
     /// The same of a ball bar to first order: the paper's Eq. 24.
     pub first_order_um: f64,
-    /// Predicted with every command corrected.
+    /// Predicted with the linear axes corrected in every command, as tables do.
     pub compensated_um: f64,
     /// Standard uncertainty of the prediction; NaN if the calibration has none.
     pub u_prediction_um: f64,
@@ -163,7 +163,9 @@ pub fn uncompensated(machine: &CalibratedMachine, campaign: &Campaign) -> Result
 /// The last digit of readings is taken for no less, µm: no instrument shows more.
 const FINEST_UM: f64 = 1e-3;
 
-/// What is predicted to be read at commanded positions, without compensation and with every command corrected, µm.
+/// What is predicted to be read at commanded positions, without compensation and with it, µm. Tables move the linear axes:
+/// a rotary axis that turned the tool back would take the measured point along, and a linear axis, seen from the bed, more
+/// with it.
 fn predicted_um(
     machine: &CalibratedMachine,
     kind: &VerificationKind,
@@ -172,7 +174,7 @@ fn predicted_um(
 ) -> Result<[f64; 2], Error> {
     let nominal = machine.machine();
     let home_mm = measured_home_mm(kind);
-    let corrected = correct(nominal, machine, at, home_mm, Moved::All)?.positions;
+    let corrected = correct(nominal, machine, at, home_mm, Moved::Linear)?.positions;
     Ok([
         machine.predicted_reading_um(kind, at, from),
         predicted_reading_um(nominal, kind, machine, at, &corrected),

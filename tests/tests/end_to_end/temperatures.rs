@@ -187,7 +187,7 @@ fn refraction_goes_with_the_temperature_of_the_air() {
         simulate(&scenario, 3)
             .unwrap_err()
             .to_string()
-            .contains("no logged temperature")
+            .contains("unknown logged temperature `air_temp_c`")
     );
 }
 

@@ -33,7 +33,7 @@ pub(crate) fn verified_points(
         let (positions, tool_home_mm) = (place.positions, place.tool_home_mm);
         let error = nominal.tool_error(machine, positions, tool_home_mm);
         let predicted = error.translation_mm;
-        let corrected = correct(nominal, machine, positions, tool_home_mm, Moved::All)?;
+        let corrected = correct(nominal, machine, positions, tool_home_mm, Moved::Linear)?;
         let commanded = nominal.tool_in_workpiece(&Ideal, positions) * tool_home_mm;
         let from_home_mm = (commanded - tool_home_mm).norm();
         for (coordinate, &(readings, mean_um)) in place.readings.iter().enumerate() {
