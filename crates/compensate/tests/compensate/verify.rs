@@ -28,7 +28,7 @@ fn reading_um(
 ) -> f64 {
     let machine = truth.machine();
     let at = |home: &Point3<f64>| {
-        let moved = home.coords + nalgebra::Vector3::new(commanded[0], commanded[1], commanded[2]);
+        let moved = home.coords + Vector3::new(commanded[0], commanded[1], commanded[2]);
         (machine.position(truth, 2, sent, *home), Point3::from(moved))
     };
     let mm = match kind {
@@ -142,7 +142,7 @@ fn measured(
     let kind = VerificationKind::Ballbar {
         ball_mm,
         ball_carrier: 2,
-        center_mm: Point3::from(ball_mm.coords + nalgebra::Vector3::new(200.0, 200.0, 100.0)),
+        center_mm: Point3::from(ball_mm.coords + Vector3::new(200.0, 200.0, 100.0)),
         length_is_calibrated: false,
     };
     add("bar", kind, commanded);

@@ -146,8 +146,8 @@ impl<'a> Base<'a> {
         for (visit, stop) in self.readings.stops.iter().enumerate() {
             for i in stop.clone() {
                 let reading = &self.readings.all[i];
-                let Some(pose) = reading.pose else { continue };
-                let step = of.entry((pose, reading.side > 0.0));
+                // Targets on the bed are one more body, which stands still.
+                let step = of.entry((reading.pose, reading.side > 0.0));
                 let step = step.or_insert_with(|| StepReadings {
                     rotation: self.by_shape[i],
                     readings: Vec::new(),
