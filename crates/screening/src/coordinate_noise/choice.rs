@@ -29,6 +29,9 @@ const OF_DIRECTIONS: f64 = 5.0;
 const OF_POLAR: f64 = 1.0;
 const OF_SOUGHT: f64 = 4.0;
 
+/// How often directions are found again with the weights that they had.
+const TURNS: usize = 3;
+
 /// Distances at which the search for an instrument begins, mm.
 const DISTANCES_MM: [f64; 3] = [1e3, 2.5e3, 6e3];
 
@@ -101,7 +104,12 @@ fn likeliest(blocks: &[Block<'_>], equal: &Fitted) -> Option<Fitted> {
         is_significant.then(|| (two_ln_l - parameters * equal.redundancy.ln(), fitted))
     };
     let fitted = |noise: CoordinateNoise| Fitted::new(blocks, noise);
-    let directions = fitted(CoordinateNoise::directions(equal.principal));
+    // With equal weights what is badly known leaks into the other directions.
+    let mut directions = fitted(CoordinateNoise::directions(equal.principal));
+    for _ in 0..TURNS {
+        let turned = directions.map(|fitted| CoordinateNoise::directions(fitted.principal));
+        directions = turned.and_then(fitted);
+    }
     let directions = offered(directions, OF_DIRECTIONS);
     let sought = directions
         .as_ref()

@@ -127,7 +127,7 @@ struct Left {
     of_returns: [f64; 2],
     information: Matrix4<f64>,
     of_blocks: Vec<f64>,
-    /// Σ e eᵀ in the frame of the coordinates.
+    /// `Σ v vᵀ` in the frame of the coordinates, `v` in units of the declared standard deviations, mm.
     scatter: Matrix3<f64>,
 }
 
@@ -182,8 +182,9 @@ impl Left {
                 0.0
             });
             for (own, e) in block.readings.iter().zip(e.as_slice().chunks_exact(3)) {
-                let rows = noise.at(&own.point_mm).0;
-                let e = rows.transpose() * Vector3::from_column_slice(e);
+                let (rows, variances) = noise.at(&own.point_mm);
+                let e = Vector3::from_fn(|k, _| e[k] * variances[k].sqrt());
+                let e = rows.transpose() * e;
                 left.scatter += e * e.transpose();
             }
         }
