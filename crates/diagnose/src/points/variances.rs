@@ -30,13 +30,14 @@ const LEAST_REDUNDANCY: f64 = 2.0;
 /// Below this part of the variance of a point the machine's repeatability is taken for none.
 const NONE: f64 = 1e-4;
 
-/// No direction is better than another by more: effects are known along their directions to some thousandths only.
+/// No direction is better than another by more than the rows say: effects are known along them to some thousandths only.
 const MOST_UNLIKE: f64 = 20.0;
 
 /// No instrument is better, mm: coordinates that were made up may have no noise at all.
 const LEAST_MM: f64 = 1e-7;
 
-/// Level of the test whether directions differ; its degrees of freedom, for the directions are those in which they differ most.
+/// Level of the test whether directions differ by another ratio than that of the rows; its degrees of freedom: two
+/// ratios, and three for the rows, which follow from the same readings.
 const DIFFER: f64 = 1e-3;
 const FREE: f64 = 5.0;
 

@@ -182,9 +182,13 @@ fn scatter_of_repeats(
         let inverse = sum.try_inverse().unwrap_or_else(Matrix3::zeros);
         inverse * repeatability_variance_mm2
     };
+    let shrinkages: BTreeMap<usize, Matrix3<f64>> = visits
+        .iter()
+        .map(|(&v, visit)| (v, shrinkage(visit)))
+        .collect();
     let mut normal = DMatrix::zeros(3 * targets, 3 * targets);
-    for visit in visits.values() {
-        let shrinkage = shrinkage(visit);
+    for (v, visit) in &visits {
+        let shrinkage = shrinkages[v];
         for (&a, of_a) in &visit.weights {
             let mut own = normal.fixed_view_mut::<3, 3>(3 * a, 3 * a);
             own += of_a;
@@ -199,7 +203,7 @@ fn scatter_of_repeats(
     for reading in readings {
         let visit = &visits[&reading.visit];
         let e = reading.off_mean_mm;
-        let whitened = reading.weight() * (e - shrinkage(visit) * visit.weighted);
+        let whitened = reading.weight() * (e - shrinkages[&reading.visit] * visit.weighted);
         squares += e.dot(&whitened);
         let mut of_place = gradient.fixed_rows_mut::<3>(3 * reading.place);
         of_place += whitened;
