@@ -221,10 +221,10 @@ impl Course<'_, '_> {
         pauses.iter().flat_map(of_lengths).collect()
     }
 
-    /// Periods that are tried, of what goes with time by a clock: without one the phase after a pause is unknown.
-    /// What is quicker than a pass from end to end varies with the position and the side as well.
+    /// Periods that are tried, of what goes with time; without a clock as if the machine had not paused. What is
+    /// quicker than a pass from end to end varies with the position and the side as well.
     pub(crate) fn periods(self) -> Vec<f64> {
-        if !self.is_of_time() || !self.comparison.timed {
+        if !self.is_of_time() {
             return Vec::new();
         }
         let stops = self.comparison.arrivals.len() as f64;

@@ -111,8 +111,8 @@ impl<'a> Wandering for Beside<'_, 'a> {
 }
 
 /// Whether lost motion of a line explains something that a disturbance in time explains as well, as where one side
-/// was read before the other: then the disturbance takes what the readings show of it, and would have its name alone
-/// (`tests/diagnose/orders.rs`).
+/// was read before the other, or where the zero swings once in each cycle, as lost motion with a bow does: then the
+/// disturbance takes what the readings show of it, and would have its name alone (`tests/diagnose/orders.rs`).
 fn hides_lost_motion(problem: &Problem<'_>, causes: &[Chosen], own: &JudgedDisturbance) -> bool {
     let comparison = problem.comparison;
     if comparison.line().is_none() || own.wanderer().with != With::Campaign {
@@ -124,9 +124,13 @@ fn hides_lost_motion(problem: &Problem<'_>, causes: &[Chosen], own: &JudgedDistu
     let alone = Fit::new(&model, &lost_motion);
     let beside = Fit::new(&model.beside(&own.columns(problem)).0, &lost_motion);
     let ln_p = ln_f_test(alone.gained(), model.squares(), 1, model.degrees_of_freedom);
+    let period = own.disturbance.form.period;
+    let is_of_cycle = period.is_some_and(|period| problem.course(own).is_of_cycle(period));
     ln_p < SMOOTH_LEVEL.ln()
         && alone.seen[0]
-        && (!beside.seen[0] || alone.covariance[0] < (1.0 - ALIKE * ALIKE) * beside.covariance[0])
+        && (is_of_cycle
+            || !beside.seen[0]
+            || alone.covariance[0] < (1.0 - ALIKE * ALIKE) * beside.covariance[0])
 }
 
 /// Disturbances that may replace cause `k` of several: those with a larger 2 ln B, as with lengths.
