@@ -41,6 +41,7 @@ mod omnibus;
 mod one_side;
 mod one_size;
 mod order;
+mod paused;
 mod pauses;
 mod prediction_error;
 mod problem;

@@ -6,7 +6,7 @@
 //! motion differs in sign between them, some pauses leave none; the distance is in its uncertainty, and in that of
 //! the drift, which over five cycles is a fifth smaller where all of it passes in pauses of one length.
 
-use trueaxis_effects::{BACKLASH, Level, POSITION_DEPENDENT_BACKLASH, Shape};
+use trueaxis_effects::{BACKLASH, Level, POSITION_DEPENDENT_BACKLASH, Scene, Shape};
 use trueaxis_selection::{Fit, Hypothesis, Score};
 
 use crate::Rival;
@@ -15,6 +15,7 @@ use crate::engine::disturbance::{Wanderer, Who, With};
 use crate::engine::linear::{Chosen, Listed, without};
 use crate::verification::arrivals::groups_in_order;
 use crate::verification::base::{count, cycles, indicators};
+use crate::verification::paused::farthest_by_pauses;
 use crate::verification::problem::Problem;
 use crate::verification::wanderer::{INSTRUMENT, confounded, is_of_cycle};
 
@@ -27,15 +28,21 @@ pub(crate) struct ByPauses {
 }
 
 /// What pauses leave of cause `k` with its fit to observations of this variance: of what goes with the progress of
-/// time, or of lost motion beside causes in time or disturbances; `None` where pauses do not matter.
+/// time or warms up, or of lost motion beside causes in time or disturbances; `None` where pauses do not matter.
 pub(crate) fn by_pauses(
-    problem: &Problem<'_>,
+    (problem, scene): (&Problem<'_>, &Scene),
     (causes, wandering): (&[Chosen], &[JudgedDisturbance]),
     (k, fit): (usize, &Fit),
     (two_ln_b, variance): (f64, f64),
 ) -> Option<ByPauses> {
     let (comparison, listed) = (problem.comparison, &problem.listed);
     let own = listed.hypothesis(&causes[k]);
+    if !comparison.timed && own.effect.shape == Shape::TimeConstant {
+        return Some(ByPauses {
+            rivals: Vec::new(),
+            shift: farthest_by_pauses((problem, scene), causes, (k, fit), variance),
+        });
+    }
     if !comparison.timed && goes_with_progress(own) {
         return in_pauses(problem, causes, (k, fit), variance);
     }

@@ -50,7 +50,7 @@ pub(crate) fn causes(
         };
         let level = (scene, Level::Verification);
         let by_pauses = by_pauses(
-            problem,
+            (problem, scene),
             (chosen, wandering),
             (k, &sized.fit),
             (judged.score.two_ln_b, variance),
