@@ -36,6 +36,7 @@ mod joined;
 mod lost_motion;
 mod model;
 mod noise_floor;
+mod not_at_rest;
 mod not_observable;
 mod omnibus;
 mod one_side;
@@ -210,7 +211,11 @@ fn judged<'a>(
         ));
         return None;
     }
-    let doubts = [units::doubt(comparison), one_side::doubt(comparison)];
+    let doubts = [
+        units::doubt(comparison),
+        one_side::doubt(comparison),
+        not_at_rest::doubt(comparison),
+    ];
     let doubts = doubts.into_iter().flatten();
     outcome
         .notices

@@ -86,19 +86,23 @@ impl CoordinateNoise {
         }
     }
 
-    fn polar(station_mm: Point3<f64>, points_mm: &[Point3<f64>]) -> Self {
+    /// `None` if a point is so near that no instrument stands there.
+    fn polar(station_mm: Point3<f64>, points_mm: &[Point3<f64>]) -> Option<Self> {
         let beams = points_mm.iter().map(|point| point - station_mm);
         let squares: f64 = beams.clone().map(|beam| beam.norm_squared()).sum();
+        let distance_mm = (squares / points_mm.len() as f64).sqrt();
+        let nearest_mm = beams.clone().map(|beam| beam.norm());
+        let nearest_mm = nearest_mm.fold(f64::INFINITY, f64::min);
         let sum: Vector3<f64> = beams.sum();
-        Self {
+        (nearest_mm > NEAREST * distance_mm).then(|| Self {
             form: Form::Polar {
                 station_mm,
                 upright: Vector3::ith(sum.iamin(), 1.0),
-                distance_mm: (squares / points_mm.len() as f64).sqrt(),
+                distance_mm,
             },
             variances: [1.0; 3],
             degrees_of_freedom: f64::INFINITY,
-        }
+        })
     }
 
     /// The directions of a point in which its noise is independent, as orthonormal rows, and the relative variances along
@@ -114,8 +118,8 @@ impl CoordinateNoise {
             } => {
                 let beam = point_mm - station_mm;
                 let farther = beam.norm_squared() / distance_mm.powi(2);
-                // No point stands in the instrument.
-                let farther = farther.max(f64::EPSILON);
+                // A point that was not asked for may be anywhere.
+                let farther = farther.max(NEAREST * NEAREST);
                 let [along, level, upward] = self.variances;
                 let variances = [along, level * farther, upward * farther];
                 (rows_along(&beam, upright), variances)
@@ -189,6 +193,9 @@ impl CoordinateNoise {
     }
 }
 
+/// Least distance of a point from the instrument, as a part of the usual one: a beam needs some room.
+const NEAREST: f64 = 0.05;
+
 /// Sine of an angle below which two directions are one.
 const LEAST_SINE: f64 = 1e-6;
 
@@ -202,4 +209,20 @@ fn rows_along(beam: &Vector3<f64>, upright: &Vector3<f64>) -> Matrix3<f64> {
     });
     let last = along.cross(&level);
     Matrix3::from_rows(&[along.transpose(), level.transpose(), last.transpose()])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A target that passes the origin had a variance of nearly zero there, and its weight made covariances of NaN.
+    #[test]
+    fn no_instrument_stands_among_the_points() {
+        let points = |x_mm: f64| [x_mm, 100.0].map(|x| Point3::new(x, 0.0, 0.0));
+        let polar = |x_mm| CoordinateNoise::polar(Point3::origin(), &points(x_mm));
+        assert!(polar(1e-3).is_none());
+        let noise = polar(50.0).unwrap();
+        let covariance = noise.covariance(&Point3::new(1e-3, 0.0, 0.0));
+        assert!(covariance.try_inverse().is_some());
+    }
 }

@@ -8,7 +8,7 @@ use trueaxis_leastsquares::{Lanes, in_widest_registers, lanes_only};
 /// The combinations of the parameters that the data see.
 #[derive(Debug, Clone)]
 pub struct Gram {
-    /// Eigenvalues above the limit: squared strength of a unit of each combination.
+    /// Eigenvalues of what is seen: squared strength of a unit of each combination.
     values: Vec<f64>,
     /// Their eigenvectors, one after the other.
     vectors: Vec<f64>,
@@ -19,6 +19,9 @@ pub struct Gram {
 /// effect to one part in ten thousand: no data of this kind show it.
 pub(crate) const VISIBLE: f64 = 1e-8;
 
+/// Share of the squares of the largest column to which eigenvalues are exact.
+const ROUNDING: f64 = 1e-13;
+
 /// Share of a parameter in unseen combinations that is more than rounding.
 const UNSEEN: f64 = 1e-6;
 
@@ -26,21 +29,27 @@ impl Gram {
     /// From `G` (square, rows one after the other) and the squares `|X_k|²` before the projection.
     pub fn new(gram: &[f64], before: &[f64]) -> Self {
         let n = before.len();
-        let limit = limit(before);
+        let largest = largest(before);
         let mut new = Self {
             values: Vec::new(),
             vectors: Vec::new(),
             parameters: n,
         };
-        if !gram.iter().all(|x| x.is_finite()) || limit <= 0.0 {
+        if !gram.iter().all(|x| x.is_finite()) || largest <= 0.0 {
             return new;
         }
+        // Of a combination of columns, as if these were orthogonal: what is seen does not depend on their units.
+        let limit = |vector: &[f64]| {
+            let squares = vector.iter().zip(before);
+            let own: f64 = squares.map(|(v, before)| v * v * before).sum();
+            (VISIBLE * own).max(ROUNDING * largest)
+        };
         if let Ok(eigen) = symmetric_eigen(DMatrix::from_fn(n, n, symmetric(gram, n))) {
-            let vectors = eigen.eigenvectors.column_iter();
+            let vectors = eigen.eigenvectors.as_slice().chunks_exact(n);
             let all = eigen.eigenvalues.iter().zip(vectors);
-            for (&value, vector) in all.filter(|(value, _)| **value > limit) {
+            for (&value, vector) in all.filter(|(value, vector)| **value > limit(vector)) {
                 new.values.push(value);
-                new.vectors.extend(vector.iter());
+                new.vectors.extend(vector);
             }
         }
         new
@@ -168,9 +177,8 @@ fn symmetric(matrix: &[f64], n: usize) -> impl Fn(usize, usize) -> f64 {
     move |i, j| 0.5 * (matrix[i * n + j] + matrix[j * n + i])
 }
 
-/// The limit of eigenvalues, given the squares of the columns before the projection.
-fn limit(before: &[f64]) -> f64 {
-    VISIBLE * before.iter().fold(0.0_f64, |max, &b| max.max(b))
+fn largest(squares: &[f64]) -> f64 {
+    squares.iter().fold(0.0_f64, |max, &own| max.max(own))
 }
 
 /// `w²` and `2 ln` of the likelihood ratio `max_w -ν ln(1 - Σ z² x/(1 + x)/ν) - Σ ln(1 + x)`, `x = w² g`, for a prior
@@ -178,7 +186,7 @@ fn limit(before: &[f64]) -> f64 {
 /// of squares before is `ν`, its degrees of freedom. `G`, the squares of its columns before the projection, and `s`
 /// are as in [`Gram`], which takes longer because it needs eigenvectors.
 pub fn restricted_likelihood(gram: &[f64], before: &[f64], s: &[f64], dof: f64) -> (f64, f64) {
-    let (n, limit) = (before.len(), limit(before));
+    let (n, limit) = (before.len(), VISIBLE * largest(before));
     if limit <= 0.0 {
         return (0.0, 0.0);
     }

@@ -1,13 +1,14 @@
 //! The rest of a curve that no effect explains, for all its possible sizes.
 //!
-//! Its covariance is `s² K + w² I`. K is that of a Gauss-Markov process of second order (Matérn 3/2),
+//! Its covariance is `s² K + w² I`. K is that of a Gauss-Markov process of second or of first order (Matérn 3/2, 1/2),
 //!
 //! ```text
-//! K(d) = (1 + √3 d/ℓ) exp(-√3 d/ℓ)
+//! K(d) = (1 + √3 d/ℓ) exp(-√3 d/ℓ)     or     exp(-d/ℓ)
 //! ```
 //!
 //! whose power falls with the fourth power of the frequency: continuous, with a continuous slope, as
-//! guideways and bearings are. d is the distance of two positions and ℓ twice the travel of a linear axis; for a
+//! guideways and bearings are; or with the second, as where pitch errors of a screw or a scale add up from one pitch to
+//! the next, independent of each other. By the first alone such a curve has waves. Both are equally likely. d is the distance of two positions and ℓ twice the travel of a linear axis; for a
 //! rotary one d is the chord `2 sin(Δ/2)`, so that 0° and 360° are the same position, and ℓ = 2. This is an
 //! assumption about machines, and it decides how large a slope or a single wave must be to stand out: the straight
 //! part of a curve is expected to have, at the ends of the travel, about five times the rms of the bent part, and one
@@ -89,7 +90,13 @@ pub(crate) struct Smooth {
 
 /// All sizes of the smooth rest of curves.
 pub(crate) fn smooth_rests(set: &CurveSet) -> Vec<Smooth> {
-    let kernel = kernel(set);
+    let kernels = [bent_alike, adding_up].map(|of_distance| kernel(set, of_distance));
+    let rests = kernels.into_iter().map(|kernel| rests_with(set, kernel));
+    rests.flatten().collect()
+}
+
+/// The same with one K.
+fn rests_with(set: &CurveSet, kernel: DMatrix<f64>) -> Vec<Smooth> {
     let (u, range) = scales(set);
     let numbers = numbers(LEAST_SMOOTH * u, MOST_SMOOTH * range);
     let numbers = numbers.into_par_iter();
@@ -214,8 +221,18 @@ fn turned(turn: &DMatrix<f64>, column: &[f64]) -> Vec<f64> {
     turned
 }
 
+/// Matérn 3/2 and 1/2 at a distance in ℓ.
+fn bent_alike(distance: f64) -> f64 {
+    let x = 3.0_f64.sqrt() * distance;
+    (1.0 + x) * (-x).exp()
+}
+
+fn adding_up(distance: f64) -> f64 {
+    (-distance).exp()
+}
+
 /// K of all curves of a set; it is zero between different curves.
-fn kernel(set: &CurveSet) -> DMatrix<f64> {
+fn kernel(set: &CurveSet, of_distance: fn(f64) -> f64) -> DMatrix<f64> {
     let steps = set.nodes.len();
     let travel = set.travel();
     DMatrix::from_fn(set.values.len(), set.values.len(), |i, j| {
@@ -227,8 +244,7 @@ fn kernel(set: &CurveSet) -> DMatrix<f64> {
             AxisKind::Linear => apart / (TRAVELS * travel),
             AxisKind::Rotary => (0.5 * apart).sin(),
         };
-        let x = 3.0_f64.sqrt() * distance_in_l.abs();
-        (1.0 + x) * (-x).exp()
+        of_distance(distance_in_l.abs())
     })
 }
 

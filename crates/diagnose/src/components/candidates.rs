@@ -2,7 +2,7 @@
 //!
 //! `guideway_bow` joins two sets ([`crate::components::bow`]). Periods run from twice the step, the shortest that
 //! equal steps distinguish from a longer one, to half the travel: what does not repeat at least twice is not called
-//! periodic. Waves per turn are whole numbers; if a small part of a turn does not distinguish neighbouring numbers,
+//! periodic ([`repeats`]). Waves per turn are whole numbers; if a small part of a turn does not distinguish neighbouring numbers,
 //! those tried are as far apart as periods are. All are tried over any part of a turn, but named only if two waves
 //! show; one is enough of one or two per turn, which every rotary axis may have ([`shows_its_waves`]). Part of a wave
 //! looks like any smooth curve, with an arbitrary amplitude.
@@ -144,6 +144,20 @@ pub(crate) fn shows_its_waves(set: &CurveSet, effect: &Effect, shape: f64) -> bo
         waves * range(set) >= enough - ROUNDING
     })
 }
+
+/// Whether a period with its standard uncertainty fits often enough into the travel, and a number of times that is known:
+/// the longest waves take what is left of any bend. If not, they stay in the model like those above.
+pub(crate) fn repeats(set: &CurveSet, effect: &Effect, [period, u]: [f64; 2]) -> bool {
+    let periods = set.travel() / period;
+    effect.shape != Shape::Period
+        || periods >= FEWEST_PERIODS * (1.0 - NEARLY) && periods * u / period <= KNOWN_PERIODS
+}
+
+/// Part of a number of periods that may be lacking: estimates scatter.
+const NEARLY: f64 = 0.02;
+
+/// Largest standard uncertainty of the number of periods over the travel: a quarter of one turns a sine into a cosine.
+const KNOWN_PERIODS: f64 = 0.25;
 
 /// The part of a turn covered by the positions: at equal steps that close the turn the last position is the first.
 fn range(set: &CurveSet) -> f64 {

@@ -9,7 +9,7 @@ use crate::Error;
 use crate::cause::{Cause, Rival};
 use crate::components::background::{Background, Smooth, backgrounds, smooth_rests};
 use crate::components::bow::{BOW, OfCurve, Pair, cause_of_bow, variance_factor};
-use crate::components::candidates::{Candidate, candidates, shows_its_waves};
+use crate::components::candidates::{Candidate, candidates, repeats, shows_its_waves};
 use crate::components::curve_set::CurveSet;
 use crate::components::estimate::{Estimate, estimate};
 use crate::components::family::{Family, LEVEL};
@@ -113,7 +113,9 @@ impl<'a> Search<'a> {
         for search in &self.sets {
             let named = search.found.iter().filter(|found| {
                 let effect = found.candidate.hypothesis.effect;
-                shows_its_waves(&search.set, effect, found.estimate.shape)
+                let Estimate { shape, u_shape, .. } = found.estimate;
+                shows_its_waves(&search.set, effect, shape)
+                    && repeats(&search.set, effect, [shape, u_shape])
             });
             for found in named {
                 let mut found = found.clone();

@@ -13,6 +13,7 @@ use trueaxis_predict::{
 use crate::engine::waves_of;
 use crate::extremes::extremes;
 use crate::verification::arrivals::{Arrival, are_timed, arrivals, groups_in_order, is_same};
+use crate::verification::not_at_rest::{Running, running};
 use crate::verification::resolution::Digit;
 use crate::verification::whitening::lags;
 
@@ -32,6 +33,8 @@ pub(crate) struct Comparison<'a> {
     pub(crate) lags: Vec<f64>,
     /// The last digit of the readings; `None` if all arrivals are equal.
     pub(crate) digit: Option<Digit>,
+    /// Whether its axis was read before it came to rest.
+    pub(crate) running: Option<Running>,
     /// Measured minus predicted, µm.
     pub(crate) difference_um: Vec<f64>,
     /// Position of the measured point, and the direction in which its displacement counts.
@@ -98,6 +101,7 @@ impl<'a> Comparison<'a> {
             timed,
             lags: lags(&arrivals, timed),
             digit: digit(verification, &arrivals),
+            running: line(kind).and_then(|_| running(&verification.readings, &arrivals)),
             arrivals,
         };
         let axis = comparison.axis();

@@ -9,6 +9,7 @@ use crate::fitted::{Against, Fitted, Row};
 use crate::verification::arrivals::Arrival;
 use crate::verification::held_out::gain_of;
 use crate::verification::lost_motion::{curve, shown_along};
+use crate::verification::not_at_rest;
 use crate::verification::pauses::by_pauses;
 use crate::verification::problem::Problem;
 use crate::verification::wandering::rival_disturbances;
@@ -71,13 +72,21 @@ pub(crate) fn causes(
         let along_it: Vec<(f64, &[f64])> = shown_along(problem.comparison, candidate).collect();
         let (curve, mean_lost_motion) =
             curve(&along_it, &sized.fit, variance, said.parameters[0].unit);
+        let explained_rms_um = rms_of_readings_um(problem, &fitted);
+        let two_ln_b = judged.score.two_ln_b;
+        let still_moves = not_at_rest::instead(
+            problem.comparison,
+            &candidate.hypothesis,
+            (explained_rms_um, two_ln_b),
+        );
         causes.push(Cause {
-            explained_rms_um: rms_of_readings_um(problem, &fitted),
+            explained_rms_um,
             heldout_gain: gain.map(|gain| 1.0 - gain.ratio.ratio),
             rivals: [
-                rival_disturbances(problem, wandering, chosen, k, judged.score.two_ln_b),
+                rival_disturbances(problem, wandering, chosen, k, two_ln_b),
                 problem.listed.rivals(&judged),
                 by_pauses.map_or_else(Vec::new, |own| own.rivals),
+                Vec::from_iter(still_moves),
             ]
             .concat(),
             curve,

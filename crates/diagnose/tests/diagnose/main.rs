@@ -6,6 +6,7 @@
 
 mod aliases;
 mod arcs;
+mod at_rest;
 mod ball_bar;
 mod beyond;
 mod calibrated_lines;
@@ -38,6 +39,7 @@ mod points;
 mod rough;
 mod settling;
 mod several;
+mod short_strokes;
 mod sides;
 mod three_runs;
 mod true_gain;

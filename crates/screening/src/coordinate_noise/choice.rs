@@ -114,7 +114,7 @@ fn likeliest(blocks: &[Block<'_>], equal: &Fitted) -> Option<Fitted> {
     let sought = directions
         .as_ref()
         .and_then(|(_, fitted)| sought(blocks, &points_mm, fitted));
-    let at_origin = fitted(CoordinateNoise::polar(Point3::origin(), &points_mm));
+    let at_origin = CoordinateNoise::polar(Point3::origin(), &points_mm).and_then(fitted);
     let all = [
         directions,
         offered(at_origin, OF_POLAR),
@@ -142,7 +142,8 @@ fn sought(blocks: &[Block<'_>], points_mm: &[Point3<f64>], directions: &Fitted) 
     let at = |side: f64, place: &Vector3<f64>, near: &Fitted| {
         let direction = beam * side + across * place.x + other * place.y;
         let station_mm = centroid_mm + direction.normalize() * place.z.exp();
-        Fitted::near(blocks, CoordinateNoise::polar(station_mm, points_mm), near)
+        let noise = CoordinateNoise::polar(station_mm, points_mm)?;
+        Fitted::near(blocks, noise, near)
     };
     let starts = DISTANCES_MM.iter().flat_map(|mm| [(1.0, *mm), (-1.0, *mm)]);
     let starts = starts.filter_map(|(side, mm)| {

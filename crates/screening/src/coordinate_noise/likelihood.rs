@@ -324,7 +324,7 @@ mod tests {
             (CoordinateNoise::EQUAL, [1e-6; 3], 1e-6),
             (CoordinateNoise::EQUAL, [4e-6; 3], 1e-5),
             (
-                CoordinateNoise::polar(Point3::origin(), &points),
+                CoordinateNoise::polar(Point3::origin(), &points).unwrap(),
                 [1e-7, 4e-6, 4e-6],
                 1e-6,
             ),
