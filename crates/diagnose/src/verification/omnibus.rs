@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | `time` | progress, and sines and cosines of 1 to 6 waves over the table |
 //! | `position` | cosines of ½ to 3 waves over the travel, for each line (ball bar: 2 to 7 waves per turn) |
+//! | `position in time` | cosines of ½ to 3 waves over the travel (ball bar: as above) times progress |
 //! | `direction` | the direction, alone and times the columns of position |
 //! | `direction in time` | the direction times cosines of ½ to 3 waves over the table |
 //! | `cycle` | each cycle, alone and times the position |
@@ -38,6 +39,10 @@ pub(crate) fn families(comparison: &Comparison<'_>, whitening: Whitening<'_>) ->
         }
         VerificationKind::Ballbar { .. } => position.clone(),
     };
+    // Not all positions warm up alike.
+    let centred: Vec<f64> = progress.iter().map(|x| x - 0.5).collect();
+    let in_time = position.iter().map(|column| times(column, &centred));
+    let in_time = in_time.collect();
     let direction: Vec<f64> = arrivals.iter().map(|a| a.direction).collect();
     let of_direction = position.iter().map(|column| times(column, &direction));
     let of_direction = std::iter::once(direction.clone())
@@ -61,6 +66,7 @@ pub(crate) fn families(comparison: &Comparison<'_>, whitening: Whitening<'_>) ->
     vec![
         family("time", time),
         family("position", by_line),
+        family("position in time", in_time),
         family("direction", of_direction),
         family("direction in time", of_direction_in_time),
         family("cycle", of_cycle),

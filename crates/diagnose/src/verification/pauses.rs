@@ -4,7 +4,8 @@
 //! by what grows on the way there and falls on the way back: lost motion that changes along the axis. Pauses have two
 //! extremes, none and all of the time: the drift as the rows show it, or an offset of each cycle instead. If lost
 //! motion differs in sign between them, some pauses leave none; the distance is in its uncertainty, and in that of
-//! the drift, which over five cycles is a fifth smaller where all of it passes in pauses of one length.
+//! the drift, which over five cycles is a fifth smaller where all of it passes in pauses of one length. Of two cycles
+//! the second extreme is a jump between them, which a clock does not exclude.
 
 use trueaxis_effects::{BACKLASH, Level, POSITION_DEPENDENT_BACKLASH, Scene, Shape};
 use trueaxis_selection::{Fit, Hypothesis, Score};
@@ -52,16 +53,18 @@ pub(crate) fn by_pauses(
         .iter()
         .any(|own| own.wanderer().with == With::Campaign);
     let goes_on = wanders || causes.iter().any(is_of_time);
-    if comparison.timed || !is_lost_motion || !goes_on {
+    if !is_lost_motion || !goes_on {
         return None;
     }
-    // Mean and slope; for a constant the mean alone. Half waves are rougher than any pause makes.
+    // Mean and slope; for a constant the mean alone. What else a free form has is rougher than any pause makes.
     let straight = match own.effect == POSITION_DEPENDENT_BACKLASH {
         true => 2,
         false => 1,
     };
+    let is_free = fit.estimates.len() > straight;
     let cycles = cycles(comparison);
-    if count(&cycles) < 2 || fit.estimates.len() != straight {
+    // Of two cycles a clock does not tell a drift from a jump between them, either.
+    if count(&cycles) < 2 || comparison.timed && count(&cycles) > 2 {
         return None;
     }
     let paused = listed.on(listed.base.extended(&offsets(problem, &cycles, wandering)));
@@ -81,7 +84,7 @@ pub(crate) fn by_pauses(
         all_in_pauses.seen[i]
             && (value * other <= 0.0 || other.abs() < COVERAGE * u(&all_in_pauses, i, variance))
     };
-    let vanishing = [0, 1].map(|i| i >= straight || vanishes(i));
+    let vanishing = [0, 1].map(|i| !is_free && (i >= straight || vanishes(i)));
     let rivals = match vanishing {
         [true, true] => {
             let names = [Some(INSTRUMENT), confounded(comparison, INSTRUMENT)];
@@ -95,7 +98,9 @@ pub(crate) fn by_pauses(
     };
     Some(ByPauses {
         rivals,
-        shift: (0..straight).map(shift).collect(),
+        shift: (0..fit.estimates.len())
+            .map(|i| if i < straight { shift(i) } else { 0.0 })
+            .collect(),
     })
 }
 

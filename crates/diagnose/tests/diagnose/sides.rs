@@ -57,9 +57,11 @@ fn found(lost_um: f64, seed: u64) -> Diagnosis {
     diagnose_against(&campaign(vec![line]), &calibration(), &Settings::default()).unwrap()
 }
 
+/// Six of the first 200 seeds raise an alarm; three or more of 20 have a probability of 2 %.
 #[test]
 fn the_calibrated_lost_motion_contradicts_nothing() {
-    assert_eq!(found(CALIBRATED_UM, 1).verdict, Verdict::Clean);
+    let is_clean = |seed: &u64| found(CALIBRATED_UM, *seed).verdict == Verdict::Clean;
+    assert!((0..20).filter(is_clean).count() >= 18);
 }
 
 /// Within four standard uncertainties, which normal errors exceed with 6e-5.
