@@ -7,6 +7,7 @@ use crate::engine::disturbance::{Disturbance, Form, Wanderer, Who, With};
 use crate::engine::linear::{Candidate, Chosen, without};
 use crate::engine::{JudgedDisturbance, SMOOTH_LEVEL, Smooth, Wandering, instead_of_cause, sought};
 use crate::extremes::extremes;
+use crate::verification::base::{count, places};
 use crate::verification::lost_motion::beyond_drives;
 use crate::verification::problem::Problem;
 use crate::verification::wandered::{coefficients, curve};
@@ -159,7 +160,7 @@ pub(crate) fn rival_disturbances(
 }
 
 /// What one file cannot separate from a cause, without a name in the catalogue: without it a warm-up that a line shows
-/// would be that of the machine alone. No shift or drift of the machine
+/// would be that of the machine alone. A curve that changed since its calibration may do so at each of a few positions. No shift or drift of the machine
 /// turns a rotary axis: a slipping encoder, clamp or belt is the machine with time; an instrument warms up, too. On a
 /// circle a coupling `c x y` of X is a bow `c x²` of X to Y (both `c r² cos²φ sin φ`); only a calibration knows bows.
 fn inseparable(problem: &Problem<'_>, hypothesis: &Hypothesis) -> Option<Wanderer> {
@@ -168,6 +169,14 @@ fn inseparable(problem: &Problem<'_>, hypothesis: &Hypothesis) -> Option<Wandere
     if is_bow && comparison.line().is_none() {
         return Some(Wanderer::new(Who::Machine, With::Position));
     }
+    let is_wave = matches!(hypothesis.effect.shape, Shape::Period | Shape::Waves(_));
+    let few = count(&places(comparison)) < FEW_POSITIONS;
+    if let Some(axis) = comparison
+        .line()
+        .filter(|_| is_wave && few && problem.calibrated)
+    {
+        return Some(Wanderer::new(Who::Axis(axis), With::Position));
+    }
     let of_instrument = hypothesis.is_of_time() && hypothesis.effect.layer == Layer::Instrument;
     if of_instrument && comparison.is_of_rotary_axis() {
         return Some(MACHINE);
@@ -175,6 +184,9 @@ fn inseparable(problem: &Problem<'_>, hypothesis: &Hypothesis) -> Option<Wandere
     let warms_up = hypothesis.effect.shape == Shape::TimeConstant && comparison.line().is_some();
     warms_up.then_some(INSTRUMENT)
 }
+
+/// Positions below which the best of all periods, with amplitude and phase, follows most of any values at them.
+const FEW_POSITIONS: usize = 12;
 
 /// Whether an axis grows and shrinks by no more than an axis can, allowing for three standard uncertainties.
 fn is_plausible(problem: &Problem<'_>, model: &Projection, own: &JudgedDisturbance) -> bool {
