@@ -21,6 +21,7 @@ mod arrivals;
 mod autocorrelation;
 pub(crate) mod base;
 mod believed;
+mod between_passes;
 pub(crate) mod comparison;
 mod competition;
 mod copied;
@@ -33,6 +34,7 @@ mod held_out;
 mod hypotheses;
 mod instead;
 mod joined;
+mod laser_scale;
 mod lost_motion;
 mod model;
 mod noise_floor;
@@ -50,6 +52,7 @@ mod read_again;
 mod report;
 mod resolution;
 mod series;
+mod short_periods;
 mod side;
 mod stack;
 mod stopped;
@@ -65,7 +68,7 @@ mod wandering;
 mod whitening;
 
 use trueaxis_campaign::{Campaign, Verification};
-use trueaxis_effects::{Effect, Level, Scene, effect};
+use trueaxis_effects::{Effect, Level, Scene, Shape, effect};
 use trueaxis_kinematics::{AxisKind, Machine};
 use trueaxis_predict::{CalibratedMachine, GIVE_COMMANDED, are_read_out};
 
@@ -296,6 +299,14 @@ fn judged<'a>(
             found.plain.whitening.correlation
         ));
     }
+    let periods = found.model.causes.iter().filter(|cause| {
+        let effect = found.plain.listed.hypothesis(cause).effect;
+        effect.shape == Shape::Period
+    });
+    let doubts = periods.filter_map(|cause| short_periods::doubt(comparison, cause.shape));
+    outcome
+        .notices
+        .extend(doubts.map(|doubt| format!("{name}: {doubt}")));
     // Late time stamps look similar.
     let mut others = found.model.causes.clone();
     others.retain(|cause| !found.plain.listed.hypothesis(cause).effect.is_delay());

@@ -150,6 +150,9 @@ fn to_do(varies_with: &[&str]) -> &'static str {
     } else if has("time") || has("cycle") || varies_with.is_empty() {
         "look for what changes like this (a warm-up, air conditioning, neighbours, the instrument's mount, the floor) \
          before the calibration is used"
+    } else if has("reversal") {
+        "look at how the axes turn round: stiction, the servos' gains and friction compensation; run the circle again at a \
+         lower feed"
     } else if has("direction") {
         "look at the drive of the axis and at how the control stops: what differs between the sides of \
          approach is in neither the air nor the floor"

@@ -5,6 +5,7 @@
 //! | `time` | progress, and sines and cosines of 1 to 6 waves over the table |
 //! | `position` | cosines of ½ to 3 waves over the travel, for each line (ball bar: 2 to 7 waves per turn) |
 //! | `each position` | a value of each position, for each line, where the base model has none |
+//! | `reversal` | ball bar: what fades away within a degree or four after an axis turns round, for each end of each axis |
 //! | `position in time` | cosines of ½ to 3 waves over the travel (ball bar: as above) times progress |
 //! | `direction` | the direction, alone and times the columns of position |
 //! | `direction in time` | the direction times cosines of ½ to 3 waves over the table |
@@ -77,6 +78,7 @@ pub(crate) fn families(
         family("time", time),
         family("position", by_line),
         family("each position", of_each),
+        family("reversal", after_reversals(comparison)),
         family("position in time", in_time),
         family("direction", of_direction),
         family("direction in time", of_direction_in_time),
@@ -94,6 +96,57 @@ fn position_columns(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
             .flat_map(|k| wave(&comparison.around, f64::from(k)))
             .collect(),
     }
+}
+
+/// Angles within which what an axis does as it turns round fades away, rad: servos recover within some millimetres.
+const FADES_RAD: [f64; 2] = [1.0 * PI / 180.0, 4.0 * PI / 180.0];
+
+/// For each end of each axis of a ball bar columns that fade away with the angle of the bar since the axis turned
+/// round there.
+fn after_reversals(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
+    if comparison.line().is_some() {
+        return Vec::new();
+    }
+    let arrivals = &comparison.arrivals;
+    let mut columns = Vec::new();
+    for &axis in &comparison.moving {
+        for end in [1.0, -1.0] {
+            let mut since: Option<f64> = None;
+            let turned_rad = (0..arrivals.len()).map(|i| {
+                let side = arrivals[i].sides[axis];
+                let before = i
+                    .checked_sub(1)
+                    .filter(|&k| arrivals[k].is_of_pass(&arrivals[i]));
+                // From an end at which it went on in the other direction.
+                match before.map(|k| (k, arrivals[k].sides[axis])) {
+                    Some((k, came)) if came * side < 0.0 => {
+                        let half = 0.5 * apart(comparison.around[k], comparison.around[i]);
+                        since = (side * end < 0.0).then_some(half);
+                    }
+                    Some((k, _)) => {
+                        let step = apart(comparison.around[k], comparison.around[i]);
+                        since = since.map(|angle| angle + step);
+                    }
+                    None => since = None,
+                }
+                since
+            });
+            let turned_rad: Vec<Option<f64>> = turned_rad.collect();
+            let fading = |fades_rad: f64| -> Vec<f64> {
+                let of = |angle: &Option<f64>| angle.map_or(0.0, |x| (-x / fades_rad).exp());
+                turned_rad.iter().map(of).collect()
+            };
+            columns.extend(FADES_RAD.map(fading));
+        }
+    }
+    columns.retain(|column| column.iter().any(|x| *x > 0.0));
+    columns
+}
+
+/// The angle between two, without regard to whole turns, rad.
+fn apart(a: f64, b: f64) -> f64 {
+    let apart = (b - a).rem_euclid(TAU);
+    apart.min(TAU - apart)
 }
 
 /// Sine and cosine of multiples of values.

@@ -7,7 +7,9 @@ use crate::engine::linear::{Chosen, Listed, without};
 use crate::engine::{JudgedDisturbance, Misfits, side};
 use crate::fitted::{Against, Fitted, Row};
 use crate::verification::arrivals::Arrival;
+use crate::verification::between_passes::variance_um2;
 use crate::verification::held_out::gain_of;
+use crate::verification::laser_scale;
 use crate::verification::lost_motion::{curve, shown_along};
 use crate::verification::not_at_rest;
 use crate::verification::pauses::by_pauses;
@@ -59,6 +61,15 @@ pub(crate) fn causes(
         if let Some(by_pauses) = &by_pauses {
             by_pauses.add_to(&mut sized.fit.covariance, variance);
         }
+        let is_lost_motion = candidate.hypothesis.effect.is_lost_motion()
+            && candidate.hypothesis.subject.axis == problem.comparison.line();
+        if is_lost_motion {
+            // The readings differ by all of it.
+            let unit_um2 = 4.0 * variance * rms_of_readings_um(problem, &columns[0]).powi(2);
+            let alone_um2 = unit_um2 * sized.fit.covariance[0];
+            let all_um2 = variance_um2(problem, (after, wandered), chosen, alone_um2);
+            sized.fit.covariance[0] = all_um2 / unit_um2;
+        }
         let u_shape = sized.u_shape.map_or(cause.u_shape, |u| u * variance.sqrt());
         let own = (&sized.fit, u_shape);
         let mut said = problem.listed.cause(&judged, level, own, variance);
@@ -79,6 +90,11 @@ pub(crate) fn causes(
             &candidate.hypothesis,
             (explained_rms_um, two_ln_b),
         );
+        let by_laser = laser_scale::instead(
+            problem.comparison,
+            &candidate.hypothesis,
+            (&sized.fit.estimates, judged.score.bic),
+        );
         causes.push(Cause {
             explained_rms_um,
             heldout_gain: gain.map(|gain| 1.0 - gain.ratio.ratio),
@@ -87,6 +103,7 @@ pub(crate) fn causes(
                 problem.listed.rivals(&judged),
                 by_pauses.map_or_else(Vec::new, |own| own.rivals),
                 Vec::from_iter(still_moves),
+                Vec::from_iter(by_laser),
             ]
             .concat(),
             curve,

@@ -160,6 +160,45 @@ fn assert_named(seeds: u64) {
     }
 }
 
+/// Stiction holds each axis for some millimetres as it turns round, in two cycles of a point for each degree: spikes of 3 µm that fade over
+/// 2 mm of arc were clean in 6 of 10 such circles, and other names in 2. Noise of 0.3 µm; without spikes one in 200 raises an alarm.
+#[test]
+fn reversal_spikes_are_not_clean() {
+    let stands = (1..=2).flat_map(|cycle| {
+        [1.0, -1.0].into_iter().flat_map(move |sense| {
+            (0..360).map(move |i| Stand {
+                angle: sense * TAU * (f64::from(i) + 0.5) / 360.0,
+                sense,
+                cycle,
+            })
+        })
+    });
+    let stands: Vec<Stand> = stands.collect();
+    for seed in 0..8 {
+        let spikes = found(table(&stands, |stand| held_um(stand, 3.0), 0.3, seed));
+        assert!(spikes.causes.is_empty(), "seed {seed}");
+        let left = spikes.unexplained.unwrap();
+        assert!(
+            left.varies_with.contains(&"reversal"),
+            "seed {seed}: {}",
+            left.note
+        );
+        let none = found(table(&stands, |stand| held_um(stand, 0.0), 0.3, seed));
+        assert!(none.unexplained.is_none(), "seed {seed}");
+    }
+}
+
+/// How far each axis is held outwards after it turned round.
+fn held_um(stand: &Stand, size_um: f64) -> [f64; 2] {
+    let after = |from: f64| ((stand.angle - from) * stand.sense).rem_euclid(TAU);
+    let held = |from: f64| size_um * (-after(from) * RADIUS_MM / 2.0).exp();
+    let quarter = TAU / 4.0;
+    [
+        held(0.0) - held(2.0 * quarter),
+        held(quarter) - held(3.0 * quarter),
+    ]
+}
+
 /// One of each. For a true rate of 99 % one of the eight fails with a probability of 8 %; the seed is
 /// fixed.
 #[test]

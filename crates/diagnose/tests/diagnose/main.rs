@@ -32,6 +32,7 @@ mod many_gross_errors;
 mod many_positions;
 mod odd;
 mod orders;
+mod pass_offsets;
 mod paused;
 mod periods;
 mod point_names;

@@ -8,7 +8,7 @@ use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 pub(super) const EFFECT: Effect = Effect {
     id: "encoder_ellipticity",
     layer: Layer::Machine,
-    levels: &[Level::Components],
+    levels: &[Level::Components, Level::Verification],
     subjects: Subject::each_rotary_axis,
     parameters: |_, _| Parameter::sine_and_cosine("arcsec"),
     shape: Shape::Fixed,

@@ -26,8 +26,8 @@ impl Listed<'_> {
             let is_held =
                 score.rank < own.rank && contains(model, &model.extended(&cause_columns), columns);
             let is_close = if is_held {
-                // The larger form was taken because it is decided that there is more.
-                ln_more(model, score, own) > UNDECIDED.ln()
+                // The larger form was taken because it is decided that there is more, but not always by much.
+                ln_more(model, score, own) > UNDECIDED.ln() || score.bic - own.bic < DECISIVE
             } else if holds_cause {
                 ln_more(model, own, score) < candidate.ln_level_of_more(UNDECIDED)
             } else {
