@@ -117,7 +117,13 @@ impl<'a> Series<'a> {
         let gain = gain
             .map(|held| held.gain(held.squares))
             .filter(|_| !is_plain);
-        let disturbances = wandered(problem, &courses, &after, gain.filter(|_| is_single));
+        let disturbances = wandered(
+            problem,
+            before,
+            &courses,
+            &after,
+            gain.filter(|_| is_single),
+        );
         let misfit = |problem: &Problem<'_>, causes: &[Chosen], held: &Predicted| Misfit {
             rms_um: problem.seen_rms_um(causes),
             heldout_rms_um: held.rms().map(|rms| rms * problem.whitening.sigma_um),

@@ -8,6 +8,7 @@ mod aliases;
 mod arcs;
 mod ball_bar;
 mod beyond;
+mod blocks;
 mod calibrated_lines;
 mod circles;
 mod clean;
