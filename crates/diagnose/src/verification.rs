@@ -7,7 +7,8 @@
 //! Repeated readings are removed ([`mod@given_once`]) and sorted ([`order`]; where two orders are as likely, both are
 //! judged, [`other_order`]). Each verification of the campaign is first judged by itself ([`mod@series`]): the
 //! prediction ([`comparison`]) with its errors ([`prediction_error`]), what the measurement leaves open ([`base`]), the
-//! noise by the repeats ([`noise_floor`]) and whether that of neighbours is alike ([`mod@autocorrelation`]), causes one at a time ([`crate::engine::linear`]), their gain on unused readings
+//! noise by the repeats ([`noise_floor`]) and whether that of neighbours is alike ([`mod@autocorrelation`]) or jumps
+//! between two levels ([`mod@levels`]), causes one at a time ([`crate::engine::linear`]), their gain on unused readings
 //! ([`held_out`]), disturbances beside or instead of them ([`wandering`], [`competition`], [`mod@described`]), rivals
 //! ([`instead`]), and what is left ([`omnibus`]). Then all together ([`together`]): a cause in the machine has one
 //! size in all lines. The paper's Figs. 10, 12 and 16 are this comparison.
@@ -33,6 +34,7 @@ mod held_out;
 mod hypotheses;
 mod instead;
 mod joined;
+mod levels;
 mod lost_motion;
 mod model;
 mod noise_floor;
@@ -82,6 +84,7 @@ use crate::verification::given_once::{given_once, keep_rows_given_once};
 use crate::verification::gross_errors::gross_errors;
 use crate::verification::hypotheses::comes_from_both_sides;
 use crate::verification::joined::join;
+use crate::verification::levels::levels;
 use crate::verification::lost_motion::beyond_drives;
 use crate::verification::noise_floor::{noise_floor_um, repeats};
 use crate::verification::not_observable::not_observable;
@@ -317,10 +320,16 @@ fn judged_alone<'a>(
     };
     if let Some(correlated) = correlated {
         found = correlated;
+    }
+    if found.is_clean() {
+        found.levels = levels(&found.plain);
+    }
+    // Jumps between two levels look like correlated noise, but are none.
+    let correlation = found.plain.whitening.correlation;
+    if correlation > 0.0 && found.levels.is_none() {
         outcome.notices.push(format!(
-            "{name}: errors of neighbouring stops are alike (correlation {:.2}), as in air that stirs; what is stated, and what counts as significant, \
-             takes it into account",
-            found.plain.whitening.correlation
+            "{name}: errors of neighbouring stops are alike (correlation {correlation:.2}), as in air that stirs; what is stated, and what counts as significant, \
+             takes it into account"
         ));
     }
     // Late time stamps look similar.

@@ -44,6 +44,7 @@ mod three_runs;
 mod true_gain;
 mod two_constants;
 mod two_instruments;
+mod two_levels;
 mod unknown;
 mod unseen;
 
