@@ -38,10 +38,16 @@ const TOLERANCE: f64 = 1e-3;
 /// Probability of a jump with which they begin.
 const FIRST_JUMPS: f64 = 0.15;
 
+/// Most readings times values of the base model, so that the comparison takes seconds at most.
+const MOST_WORK: usize = 100_000;
+
 /// What is left of a problem that nothing else explains, if it jumps between two levels.
 pub(crate) fn levels(problem: &Problem<'_>) -> Option<Unexplained> {
     let comparison = problem.comparison;
     let columns = base_columns(comparison, problem.calibrated);
+    if columns.len() * comparison.arrivals.len() > MOST_WORK {
+        return None;
+    }
     let base = Projection::dense(comparison.difference_um.clone(), &columns);
     let seen = TwoLevels::new(&base, &base.residuals)?;
     let is_clear = seen.two_ln_ratio > WORTH_A_LOOK
