@@ -1,13 +1,17 @@
 //! A cause: the effect, its size and uncertainty, and what else it may be.
 
 use trueaxis_effects::{
-    Explanation, LOST_MOTION_OF_BOTH_SIGNS, Layer, Level, ResolvedEffect, Scene,
+    Explanation, LOST_MOTION_OF_BOTH_SIGNS, Layer, Level, ResolvedEffect, Scene, WORN_IN_THE_MIDDLE,
 };
 
+use crate::extremes::extremes;
 use crate::{Fitted, Wandering};
 
 /// Probability of equal sizes scattering as much, below which they differ by more than chance.
 pub(crate) const SIZES_DIFFER: f64 = 0.01;
+
+/// Fewest positions that tell where lost motion is largest.
+const POSITIONS_THAT_TELL_WEAR: usize = 5;
 
 /// A cause.
 #[derive(Debug, Clone)]
@@ -138,9 +142,27 @@ impl Cause {
         };
         match &self.mean_lost_motion {
             _ if beyond_doubt(1.0) && beyond_doubt(-1.0) => LOST_MOTION_OF_BOTH_SIGNS,
+            Some(mean) if mean.value > 0.0 && self.is_largest_in_the_middle() => WORN_IN_THE_MIDDLE,
             Some(mean) => self.effect.explanation_at(mean.value),
             None => self.effect.explanation(),
         }
+    }
+
+    /// Whether the middle half of its curve is clearly above the rest; fewer than five positions do not tell.
+    fn is_largest_in_the_middle(&self) -> bool {
+        let [low, high] = extremes(self.curve.iter().map(|point| point.at));
+        let is_inside = |point: &&LostMotionAt| {
+            let travelled = (point.at - low) / (high - low).max(f64::MIN_POSITIVE);
+            (0.25..=0.75).contains(&travelled)
+        };
+        let (inside, outside): (Vec<_>, Vec<_>) = self.curve.iter().partition(is_inside);
+        let mean = |points: &[&LostMotionAt], of: fn(&LostMotionAt) -> f64| {
+            points.iter().map(|point| of(point)).sum::<f64>() / points.len().max(1) as f64
+        };
+        let more = mean(&inside, |point| point.value) - mean(&outside, |point| point.value);
+        // Neighbours have errors in common, which a mean does not take away.
+        let u = mean(&inside, |point| point.u).hypot(mean(&outside, |point| point.u));
+        self.curve.len() >= POSITIONS_THAT_TELL_WEAR && more > 2.0 * u
     }
 
     /// Whether its curve is one of angles: lost motion of a rotary axis, arcsec over degrees, instead of µm over mm. `None`

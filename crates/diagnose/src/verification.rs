@@ -4,10 +4,11 @@
 //! measured - predicted = base model + causes + noise
 //! ```
 //!
-//! Repeated readings are removed ([`mod@given_once`]) and sorted ([`order`]). Each verification of the campaign is
-//! first judged by itself ([`mod@series`]): the prediction ([`comparison`]) with its errors ([`prediction_error`]),
-//! what the measurement leaves open ([`base`]), the noise by the repeats ([`noise_floor`]) and whether that of
-//! neighbours is alike ([`mod@autocorrelation`]), causes one at a time ([`crate::engine::linear`]), their gain on unused readings
+//! Repeated readings are removed ([`mod@given_once`]) and sorted ([`order`]; where two orders are as likely, both are
+//! judged, [`other_order`]). Each verification of the campaign is first judged by itself ([`mod@series`]): the
+//! prediction ([`comparison`]) with its errors ([`prediction_error`]), what the measurement leaves open ([`base`]), the
+//! noise by the repeats ([`noise_floor`]) and whether that of neighbours is alike ([`mod@autocorrelation`]) or jumps
+//! between two levels ([`mod@levels`]), causes one at a time ([`crate::engine::linear`]), their gain on unused readings
 //! ([`held_out`]), disturbances beside or instead of them ([`wandering`], [`competition`], [`mod@described`]), rivals
 //! ([`instead`]), and what is left ([`omnibus`]). Then all together ([`together`]): a cause in the machine has one
 //! size in all lines. The paper's Figs. 10, 12 and 16 are this comparison.
@@ -35,6 +36,7 @@ mod hypotheses;
 mod instead;
 mod joined;
 mod laser_scale;
+mod levels;
 mod lost_motion;
 mod model;
 mod noise_floor;
@@ -44,6 +46,7 @@ mod omnibus;
 mod one_side;
 mod one_size;
 mod order;
+mod other_order;
 mod paused;
 mod pauses;
 mod prediction_error;
@@ -65,6 +68,7 @@ mod units;
 mod wandered;
 mod wanderer;
 mod wandering;
+mod which_order;
 mod whitening;
 
 use trueaxis_campaign::{Campaign, Verification};
@@ -84,11 +88,13 @@ use crate::verification::given_once::{given_once, keep_rows_given_once};
 use crate::verification::gross_errors::gross_errors;
 use crate::verification::hypotheses::comes_from_both_sides;
 use crate::verification::joined::join;
+use crate::verification::levels::levels;
 use crate::verification::lost_motion::beyond_drives;
 use crate::verification::noise_floor::{noise_floor_um, repeats};
 use crate::verification::not_observable::not_observable;
 use crate::verification::omnibus::differs_by_cycle;
 use crate::verification::order::{put_in_order, takes_turns};
+use crate::verification::other_order::doubt;
 use crate::verification::problem::Problem;
 use crate::verification::read_again::read_again;
 use crate::verification::series::Series;
@@ -124,13 +130,22 @@ pub(crate) fn diagnose_verification(
     }
     let given = given_once(&campaign.verification, &mut outcome.notices);
     let mut kept = Vec::new();
+    let mut in_other_order = Vec::new();
     for verification in given {
         let mut verification = verification.clone();
         let notices = &mut outcome.notices;
         notices.extend(keep_rows_given_once(&mut verification));
         let copied = copied(&verification.readings);
         notices.extend(copied.map(|copied| format!("{}: {copied}", verification.name)));
-        notices.extend(put_in_order(&mut verification));
+        let in_order = put_in_order(&mut verification);
+        notices.extend(in_order.notice);
+        if let Some(readings) = in_order.other {
+            let mut other = verification.clone();
+            other.readings = readings;
+            // The stated order lists them.
+            leave_gross_errors_out(machine, &mut other, calibration, &mut Said::default());
+            in_other_order.push(other);
+        }
         leave_gross_errors_out(machine, &mut verification, calibration, &mut outcome);
         let found = turned(&Comparison::new(machine, &verification, calibration));
         if let Some((ends, said)) = found {
@@ -154,7 +169,7 @@ pub(crate) fn diagnose_verification(
     let level = LEVEL / looks.max(1) as f64;
     let judged = comparisons.iter().filter_map(|(name, comparison)| {
         let asked = (level, explain_curves);
-        judged(name, comparison, calibration, scene, asked, &mut outcome)
+        judged_alone(name, comparison, calibration, scene, asked, &mut outcome)
     });
     let mut all: Vec<Series<'_>> = judged.collect();
     let shared = together(&mut all, calibration, scene, level);
@@ -165,6 +180,26 @@ pub(crate) fn diagnose_verification(
     outcome.entries = all.iter().enumerate().map(entry).collect();
     outcome.notices.extend(alike_scales(&outcome.entries, &all));
     join(&mut outcome.entries, &shared, &all);
+    let are_open: Vec<&str> = in_other_order.iter().map(|own| own.name.as_str()).collect();
+    for verification in &in_other_order {
+        let mut entries = outcome.entries.iter_mut();
+        let Some(entry) = entries.find(|entry| entry.report.data == verification.name) else {
+            continue;
+        };
+        let comparison = Comparison::new(machine, verification, calibration);
+        let asked = (level, false);
+        let mut aside = Said::default();
+        let series = judged_alone(
+            &verification.name,
+            &comparison,
+            calibration,
+            scene,
+            asked,
+            &mut aside,
+        );
+        let other = series.map(|series| series.entry(scene, &[]));
+        doubt(entry, other.as_ref(), &comparison, &are_open);
+    }
     outcome
 }
 
@@ -200,7 +235,7 @@ fn leave_gross_errors_out(
 }
 
 /// One verification judged by itself; `None`, with a notice, for too few data. `level` is its share of the level.
-fn judged<'a>(
+fn judged_alone<'a>(
     name: &'a str,
     comparison: &'a Comparison<'a>,
     calibration: Option<&CalibratedMachine>,
@@ -293,10 +328,16 @@ fn judged<'a>(
     };
     if let Some(correlated) = correlated {
         found = correlated;
+    }
+    if found.is_clean() {
+        found.levels = levels(&found.plain);
+    }
+    // Jumps between two levels look like correlated noise, but are none.
+    let correlation = found.plain.whitening.correlation;
+    if correlation > 0.0 && found.levels.is_none() {
         outcome.notices.push(format!(
-            "{name}: errors of neighbouring stops are alike (correlation {:.2}), as in air that stirs; what is stated, and what counts as significant, \
-             takes it into account",
-            found.plain.whitening.correlation
+            "{name}: errors of neighbouring stops are alike (correlation {correlation:.2}), as in air that stirs; what is stated, and what counts as significant, \
+             takes it into account"
         ));
     }
     let periods = found.model.causes.iter().filter(|cause| {

@@ -59,7 +59,8 @@ pub const POSITION_DEPENDENT_BACKLASH: &Effect = &position_dependent_backlash::E
 pub const CROSS_COUPLING: &Effect = &cross_coupling::EFFECT;
 
 pub(crate) use backlash::OVER_COMPENSATED;
-pub use position_dependent_backlash::LOST_MOTION_OF_BOTH_SIGNS;
+pub use position_dependent_backlash::{LOST_MOTION_OF_BOTH_SIGNS, WORN_IN_THE_MIDDLE};
+pub(crate) use worm_gear::{FEW_WAVES, MOST_OF_FEW};
 
 /// Every effect, layer after layer: instrument, set-up, machine.
 pub fn catalogue() -> &'static [&'static Effect] {

@@ -58,8 +58,8 @@ mod temperature;
 mod waves;
 
 pub use catalogue::{
-    BACKLASH, CROSS_COUPLING, LOST_MOTION_OF_BOTH_SIGNS, POSITION_DEPENDENT_BACKLASH, catalogue,
-    effect,
+    BACKLASH, CROSS_COUPLING, LOST_MOTION_OF_BOTH_SIGNS, POSITION_DEPENDENT_BACKLASH,
+    WORN_IN_THE_MIDDLE, catalogue, effect,
 };
 pub use circumstances::Circumstances;
 pub use displaced::Displaced;

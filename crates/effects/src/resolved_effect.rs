@@ -1,6 +1,6 @@
 //! One effect with its values in a scene, ready to displace readings.
 
-use crate::catalogue::OVER_COMPENSATED;
+use crate::catalogue::{FEW_WAVES, MOST_OF_FEW, OVER_COMPENSATED};
 use crate::shape::{shape_parameter, to_file};
 use crate::{
     Circumstances, Displaced, Effect, Explanation, GivenEffect, GivenParameter, GivenSubject,
@@ -40,9 +40,12 @@ impl ResolvedEffect {
 
     /// The same if its first parameter has this value.
     pub fn explanation_at(&self, value: f64) -> Explanation {
-        match self.effect.is_lost_motion() && value < 0.0 {
-            true => OVER_COMPENSATED,
-            false => self.effect.explanation,
+        if self.effect.is_lost_motion() && value < 0.0 {
+            OVER_COMPENSATED
+        } else if self.effect.id == "worm_gear" && self.shape <= MOST_OF_FEW {
+            FEW_WAVES
+        } else {
+            self.effect.explanation
         }
     }
 

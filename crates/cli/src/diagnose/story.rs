@@ -1,7 +1,7 @@
 //! A diagnosis in a dozen lines.
 
 use trueaxis_diagnose::{Cause, Diagnosis, Disturbance, LevelReport, Place, Unexplained, Verdict};
-use trueaxis_effects::{Layer, Level, Scene};
+use trueaxis_effects::{Effect, Layer, Level, Scene};
 
 use crate::diagnose::layout::labelled;
 use crate::diagnose::{causes, in_words};
@@ -164,6 +164,8 @@ fn to_do(varies_with: &[&str]) -> &'static str {
 
 fn verdict(diagnosis: &Diagnosis) -> String {
     let count = of_misfit(diagnosis).count();
+    let is_clear = |cause: &&Cause| cause.rivals.is_empty();
+    let clear = of_misfit(diagnosis).filter(is_clear).count();
     let is_left = diagnosis.levels.iter().any(|l| l.unexplained.is_some());
     let of_causes = diagnosis.causes.iter().filter_map(|cause| cause.share);
     let largest = of_causes.fold(0.0, f64::max);
@@ -178,7 +180,12 @@ fn verdict(diagnosis: &Diagnosis) -> String {
         Verdict::NotJudged => "nothing was judged".to_owned(),
         Verdict::Clean => "clean, nothing contradicts the model".to_owned(),
         Verdict::Named if count > 1 => {
-            format!("the data contradict the model, and {count} causes are clear{more}")
+            let which = match clear {
+                1 => format!("one of {count} causes is clear"),
+                _ if clear < count => format!("{clear} of {count} causes are clear"),
+                _ => format!("{count} causes are clear"),
+            };
+            format!("the data contradict the model, and {which}{more}")
         }
         Verdict::Named => format!("the data contradict the model, and the cause is clear{more}"),
         Verdict::Ambiguous if of_misfit(diagnosis).all(causes::is_clear_but_for_its_form) => {
@@ -255,8 +262,13 @@ fn not_observable(diagnosis: &Diagnosis) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for unseen in &diagnosis.not_observable {
         let name = unseen.effect.replace('_', " ");
+        // Waves of an angle have names of their own.
+        let is_it = |effect: &Effect| {
+            effect.id == unseen.effect
+                || unseen.effect == "cyclic_error" && effect.waves(1.0).is_some()
+        };
         let mut causes = diagnosis.causes.iter();
-        let name = match causes.any(|cause| cause.effect.effect.id == unseen.effect) {
+        let name = match causes.any(|cause| is_it(cause.effect.effect)) {
             true => format!("{name} beside what is named"),
             false => name,
         };

@@ -201,8 +201,8 @@ impl CurveSet {
     pub(crate) fn notice(&self, whose: &str) -> Option<String> {
         let thinned = self.thinned.as_ref()?;
         Some(format!(
-            "{whose}: of its {} positions one in {} was used to look for effects in its error curves; which of the waves that look alike at these is \
-             there, all positions say, but none is found that is the same at each of these",
+            "{whose}: of its {} positions one in {} was used to look for effects in its error curves; all positions tell apart the waves that \
+             look alike at these; only a wave with the same value at each of these cannot be found",
             thinned.nodes.len(),
             thinned.stride
         ))

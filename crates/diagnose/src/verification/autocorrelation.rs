@@ -16,7 +16,7 @@ use trueaxis_selection::{Projection, lengths_beside_earlier};
 
 use crate::engine::golden_section;
 use crate::verification::base::{cells, indicators};
-use crate::verification::model::{is_left, two_ln_b};
+use crate::verification::model::two_ln_b;
 use crate::verification::noise_floor::pass_columns;
 use crate::verification::series::Series;
 use crate::verification::whitening::Whitening;
@@ -64,9 +64,11 @@ pub(crate) fn alike_neighbours<'a>(
     found: &Series<'a>,
     with: impl Fn(Noise) -> Series<'a>,
 ) -> Option<Series<'a>> {
-    let is_clean =
-        found.model.causes.is_empty() && found.model.wandering.is_empty() && !is_left(&found.model);
-    let least = if is_clean { SIGNIFICANT } else { POSSIBLE };
+    let least = if found.is_clean() {
+        SIGNIFICANT
+    } else {
+        POSSIBLE
+    };
     let first = with(noise(found, least)?);
     // Beside the causes that are left.
     let last = with(noise(&first, least)?);

@@ -4,10 +4,12 @@
 //! their order if cycle numbers fall for neither side and no pass goes against its side, or if they are a step cycle:
 //! position after position, each from either side in turn. Reports print tables by position or by side with the cycle
 //! fastest; there neighbouring rows are a cycle apart, and drifts look like lost motion. Such rows are put in the
-//! order of the standard test cycle of ISO 230-2: cycle by cycle, forward ascending, then backward.
+//! order of the standard test cycle of ISO 230-2: cycle by cycle, forward ascending, then backward. A test of
+//! repeatability with all cycles of one position and side before the next looks the same, so the readings decide
+//! ([`tells`]); where they do not, both orders are judged ([`mod@crate::verification::other_order`]).
 
 use std::cmp::Reverse;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use trueaxis_campaign::{Direction, Verification, VerificationReading};
 use trueaxis_predict::positioning_lines;
@@ -15,19 +17,31 @@ use trueaxis_predict::positioning_lines;
 use crate::verification::arrivals::{are_timed, is_same};
 use crate::verification::base::{count, lines};
 use crate::verification::comparison::{Comparison, came_from, line};
+use crate::verification::which_order::{Tells, tells};
 
 /// Fewest positions of a pass; fewer may have been approached one by one.
 const A_PASS: usize = 3;
 
-/// Puts the readings in the order of measuring; a notice says where their own order does not show it.
-pub(crate) fn put_in_order(verification: &mut Verification) -> Option<String> {
+/// What was made of the order of rows.
+#[derive(Default)]
+pub(crate) struct InOrder {
+    /// Where the order of the rows does not show that of measuring.
+    pub(crate) notice: Option<String>,
+    /// The rows in another order that is as likely.
+    pub(crate) other: Option<Vec<VerificationReading>>,
+}
+
+/// Puts the readings in the order of measuring.
+pub(crate) fn put_in_order(verification: &mut Verification) -> InOrder {
     let timed = are_timed(&verification.readings);
     if timed {
         let time_s = |reading: &VerificationReading| reading.time_s.unwrap_or_default();
         let readings = &mut verification.readings;
         readings.sort_by(|a, b| time_s(a).total_cmp(&time_s(b)));
     }
-    let axis = line(&verification.kind)?;
+    let Some(axis) = line(&verification.kind) else {
+        return InOrder::default();
+    };
     let readings = &verification.readings;
     let lines = positioning_lines(axis, readings.iter().map(|r| r.positions.as_slice()));
     let rows = readings.iter().map(|r| Stop {
@@ -37,35 +51,76 @@ pub(crate) fn put_in_order(verification: &mut Verification) -> Option<String> {
     });
     let orders = orders(rows, &lines);
     if timed {
-        return orders.contains(&Order::Exchanged).then(|| {
+        let notice = orders.contains(&Order::Exchanged).then(|| {
             format!(
                 "{}: by time_s, passes go against their direction: forward and backward may be exchanged, and late time stamps \
                  are not looked for",
                 verification.name
             )
         });
+        return InOrder {
+            notice,
+            other: None,
+        };
     }
-    let order = orders.into_iter().max()?;
+    let mut order = orders.into_iter().max().unwrap_or(Order::Measured);
+    let mut other = None;
     if order == Order::Printed {
-        let mut numbered: Vec<(usize, VerificationReading)> = lines
-            .into_iter()
-            .zip(std::mem::take(&mut verification.readings))
-            .collect();
-        numbered.sort_by(|(line_a, a), (line_b, b)| {
-            let along = a.positions[axis].total_cmp(&b.positions[axis]);
-            let along = match a.direction {
-                Direction::Forward => along,
-                Direction::Backward => along.reverse(),
-            };
-            let pass_a = (line_a, a.cycle, Reverse(a.direction));
-            pass_a
-                .cmp(&(line_b, b.cycle, Reverse(b.direction)))
-                .then(along)
-        });
-        verification.readings = numbered.into_iter().map(|(_, reading)| reading).collect();
+        let sorted = in_standard_order(readings, axis, &lines);
+        let told = told_by_readings(readings, axis, &lines, &sorted);
+        order = match told {
+            Tells::Listed => Order::Blocks,
+            Tells::Other => Order::Printed,
+            Tells::Neither => Order::Open,
+        };
+        if told != Tells::Listed {
+            let sorted = sorted.iter().map(|&row| readings[row].clone()).collect();
+            let listed = std::mem::replace(&mut verification.readings, sorted);
+            other = (told == Tells::Neither).then_some(listed);
+        }
     }
-    let said = order.in_words()?;
-    Some(format!("{}: without time_s {said}", verification.name))
+    let said = order.in_words();
+    InOrder {
+        notice: said.map(|said| format!("{}: without time_s {said}", verification.name)),
+        other,
+    }
+}
+
+/// The rows in the order of the standard test cycle.
+fn in_standard_order(readings: &[VerificationReading], axis: usize, lines: &[usize]) -> Vec<usize> {
+    let key = |row: usize| {
+        let reading = &readings[row];
+        (lines[row], reading.cycle, Reverse(reading.direction))
+    };
+    let along = |a: usize, b: usize| {
+        let along = readings[a].positions[axis].total_cmp(&readings[b].positions[axis]);
+        match readings[a].direction {
+            Direction::Forward => along,
+            Direction::Backward => along.reverse(),
+        }
+    };
+    let mut rows: Vec<usize> = (0..readings.len()).collect();
+    rows.sort_by(|&a, &b| key(a).cmp(&key(b)).then_with(|| along(a, b)));
+    rows
+}
+
+/// Whether the readings were taken as they are listed, or in the standard order.
+fn told_by_readings(
+    readings: &[VerificationReading],
+    axis: usize,
+    lines: &[usize],
+    sorted: &[usize],
+) -> Tells {
+    let mut known = HashMap::new();
+    let cell = |(reading, &line): (&VerificationReading, &usize)| {
+        let key = (line, reading.direction, reading.positions[axis].to_bits());
+        let next = known.len();
+        *known.entry(key).or_insert(next)
+    };
+    let cells: Vec<usize> = readings.iter().zip(lines).map(cell).collect();
+    let values_um: Vec<f64> = readings.iter().map(|r| r.value_um).collect();
+    let cycles: Vec<u32> = readings.iter().map(|r| r.cycle).collect();
+    tells(&values_um, &cells, &cycles, sorted)
 }
 
 /// The order of the rows of each line.
@@ -123,6 +178,10 @@ enum Order {
     Again,
     /// Not that of measuring.
     Printed,
+    /// Sorted as a report is, but measured like this, as the readings tell.
+    Blocks,
+    /// Sorted as a report is, and the readings do not tell whether they were measured like this.
+    Open,
 }
 
 impl Order {
@@ -180,6 +239,17 @@ impl Order {
                 "its rows are in the order of a report (cycle numbers fall, or passes go against their direction); they were put in \
                  the order of the standard test cycle of ISO 230-2, cycle by cycle there and back. If it was another, give time_s, or \
                  the rows in the order of measuring",
+            ),
+            Self::Blocks => Some(
+                "its rows are sorted as in a report, but what wanders in them is smooth in their own order, not in that of the \
+                 standard test cycle of ISO 230-2; they were taken in their own, as of a test of repeatability with all cycles of one \
+                 position and side before the next. If it was another, give time_s, or the rows in the order of measuring",
+            ),
+            Self::Open => Some(
+                "its rows are in the order of a report (cycle numbers fall, or passes go against their direction), or of a test of \
+                 repeatability with all cycles of one position and side before the next, and the readings do not tell which. They were \
+                 put in the order of the standard test cycle of ISO 230-2, cycle by cycle there and back; what hinges on that is not \
+                 named alone. Give time_s, or the rows in the order of measuring",
             ),
         }
     }

@@ -10,7 +10,7 @@ use crate::verification::another_curve::another_curve;
 use crate::verification::competition::compete;
 use crate::verification::doubted::doubted;
 use crate::verification::held_out::{Predicted, gain, held_out};
-use crate::verification::model::{Model, have_same, only};
+use crate::verification::model::{Model, have_same, is_left, only};
 use crate::verification::omnibus::{omnibus, repeats_with_cycle};
 use crate::verification::problem::Problem;
 use crate::verification::report;
@@ -26,6 +26,8 @@ pub(crate) struct Series<'a> {
     pub(crate) model: Model<'a>,
     /// Standard deviation of an arrival that is stated, µm.
     pub(crate) noise_floor_um: f64,
+    /// Two levels between which readings jump that are otherwise clean.
+    pub(crate) levels: Option<Unexplained>,
 }
 
 impl<'a> Series<'a> {
@@ -35,8 +37,15 @@ impl<'a> Series<'a> {
             name,
             noise_floor_um: plain.reading_um(),
             model: compete(&plain),
+            levels: None,
             plain,
         }
+    }
+
+    /// Whether nothing is found or left.
+    pub(crate) fn is_clean(&self) -> bool {
+        let model = &self.model;
+        model.causes.is_empty() && model.wandering.is_empty() && !is_left(model)
     }
 
     /// The model with its causes.
@@ -107,7 +116,8 @@ impl<'a> Series<'a> {
         let unexplained = doubted(problem, &after)
             .or_else(|| another_curve(problem, &chosen, &after))
             .or_else(of_tests)
-            .or_else(|| is_plain.then(|| impossible(problem)).flatten());
+            .or_else(|| is_plain.then(|| impossible(problem)).flatten())
+            .or_else(|| self.levels.clone().filter(|_| is_plain));
         let columns = chosen.iter().map(|cause| problem.listed.columns_of(cause));
         let smooth = wandering.iter().map(|w| w.columns(plain));
         let held_before = held_out(plain, &[]);
@@ -117,7 +127,13 @@ impl<'a> Series<'a> {
         let gain = gain
             .map(|held| held.gain(held.squares))
             .filter(|_| !is_plain);
-        let disturbances = wandered(problem, &courses, &after, gain.filter(|_| is_single));
+        let disturbances = wandered(
+            problem,
+            before,
+            &courses,
+            &after,
+            gain.filter(|_| is_single),
+        );
         let misfit = |problem: &Problem<'_>, causes: &[Chosen], held: &Predicted| Misfit {
             rms_um: problem.seen_rms_um(causes),
             heldout_rms_um: held.rms().map(|rms| rms * problem.whitening.sigma_um),

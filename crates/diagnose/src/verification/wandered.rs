@@ -5,7 +5,6 @@ use trueaxis_selection::Projection;
 
 use crate::engine::{Coefficients, JudgedDisturbance};
 use crate::verification::problem::Problem;
-use crate::verification::report::rms_of_readings_um;
 use crate::{CurvePoint, Disturbance, Gain};
 
 /// A disturbance in the covariance of a problem; `after` has the causes in the model, too.
@@ -17,17 +16,24 @@ pub(crate) fn coefficients(
     Coefficients::new(after, &own.columns(problem), own.roots(problem), 1)
 }
 
-/// The disturbances of a problem that has them in its covariance. `gain` if nothing else gains.
+/// The disturbances of a problem that has them in its covariance: of each what it takes out of the misfit, without what
+/// the base model, `before`, absorbs. `gain` if nothing else gains.
 pub(crate) fn wandered(
     problem: &Problem<'_>,
+    before: &Projection,
     all: &[(&JudgedDisturbance, Coefficients)],
     after: &Projection,
     gain: Option<Gain>,
 ) -> Vec<Disturbance> {
     let noise_um = problem.noise_um(after);
     let report = |(own, coefficients): &(&JudgedDisturbance, Coefficients)| {
+        let mut seen = coefficients.effect.clone();
+        before.project(&mut seen);
+        // Weighted as the misfit is.
+        let squares: f64 = seen.iter().map(|x| x * x).sum();
+        let rms = (squares / problem.readings() as f64).sqrt();
         let shown = (
-            rms_of_readings_um(problem, &coefficients.effect),
+            problem.whitening.sigma_um * rms,
             curve(problem, own, coefficients, noise_um),
         );
         let range = problem.course(own).range();

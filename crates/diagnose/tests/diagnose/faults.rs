@@ -450,8 +450,26 @@ fn lost_motion_is_told_where_it_was_measured() {
             "{mean:?}"
         );
         assert_eq!(cause.told_parameters()[0], *mean);
-        assert!(cause.explanation().cause.contains("worn"));
+        // From one end to the other it is no wear in the middle.
+        assert!(!cause.explanation().cause.contains("worn"));
     }
+}
+
+/// 4 µm more in the middle half of the travel, at nine positions: wear is said. At three it is not, whatever they show.
+#[test]
+fn wear_is_said_of_play_that_is_largest_in_the_middle() {
+    let worn = |x_mm: f64| 3.0 + 2.0 * (1.0 - (TAU * x_mm / 400.0).cos());
+    let said = |line: Verification| {
+        let diagnosis = found(line);
+        let cause = &diagnosis.causes[0];
+        assert!(is_lost_motion(cause));
+        cause.explanation().cause.contains("worn")
+    };
+    assert!(said(sides_apart(3, worn)));
+    let mut short = sides_apart(10, worn);
+    let is_kept = |x_mm: f64| [0.0, 200.0, 400.0].contains(&x_mm);
+    short.readings.retain(|r| is_kept(r.positions[0]));
+    assert!(!said(short));
 }
 
 /// Play has one sign; what the sides differ by otherwise is not called wear.

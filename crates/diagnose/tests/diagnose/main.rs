@@ -9,6 +9,7 @@ mod arcs;
 mod at_rest;
 mod ball_bar;
 mod beyond;
+mod blocks;
 mod calibrated_lines;
 mod circles;
 mod clean;
@@ -46,6 +47,7 @@ mod three_runs;
 mod true_gain;
 mod two_constants;
 mod two_instruments;
+mod two_levels;
 mod unknown;
 mod unseen;
 

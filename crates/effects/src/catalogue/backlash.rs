@@ -36,6 +36,6 @@ pub(super) fn lost_motion(scene: &Scene, subject: &Subject, name: &'static str) 
 pub(crate) const OVER_COMPENSATED: Explanation = Explanation {
     cause: "the axis goes too far after a reversal: the backlash compensation of the control is too large, the control stops at the far edge of its window, or forward and backward are exchanged in the file",
     consequence: "the two sides of approach differ; their mean is right for neither",
-    action: "of readings, check first that they are measured less commanded, not the other way, and that direction is the side of approach; then lower the backlash compensation by this amount and measure again; check the in-position window of the control; no part is worn",
+    action: "of readings, check first that they are measured less commanded, not the other way, and that direction is the side of approach; then lower the backlash compensation by this amount and measure again; check the in-position window of the control; if sign and sides are right, no part is worn",
     separate_by: "measure both sides with the backlash compensation switched off: what a compensation makes goes away, what the control's window makes stays",
 };

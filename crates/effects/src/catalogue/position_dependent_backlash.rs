@@ -31,11 +31,19 @@ pub(super) const EFFECT: Effect = Effect {
         _ => from_middle(of),
     }),
     explanation: Explanation {
-        cause: "the drive is worn where it is used most: play that is not the same along the axis",
+        cause: "lost motion of the axis that is not the same along it: wear, the fit of screw, worm or rack, or friction that changes",
         consequence: "the two sides of approach differ by a different amount at each position; one value in the backlash compensation is right at one position only",
-        action: "replace or re-preload the screw or worm, or give the control a table of backlash over position",
+        action: "look at drive and guideways where it is largest, or give the control a table of backlash over position",
         separate_by: "measure the axis from both sides with a finer step where it is used most: play that follows wear is largest there",
     },
+};
+
+/// Lost motion that is largest in the middle of travel, as of a drive that is worn there.
+pub const WORN_IN_THE_MIDDLE: Explanation = Explanation {
+    cause: "the drive is worn where it is used most: play that is larger in the middle of the measured travel than at its ends",
+    consequence: EFFECT.explanation.consequence,
+    action: "replace or re-preload the screw or worm, or give the control a table of backlash over position",
+    separate_by: EFFECT.explanation.separate_by,
 };
 
 /// Lost motion that changes its sign along the axis, as no play does.
