@@ -128,7 +128,7 @@ impl TwoLevels {
             let half = dot(left, &seen) / (dot(&seen, &seen) + uncertain);
             let rest: Vec<f64> = left.iter().zip(&seen).map(|(x, m)| x - half * m).collect();
             let variance = (dot(&rest, &rest) + half * half * uncertain) / n;
-            if !(variance > f64::EPSILON * squares) {
+            if variance.is_nan() || variance <= f64::EPSILON * squares {
                 return best;
             }
             let beside = rest.iter().zip(&level).map(|(x, m)| x + half * m);
