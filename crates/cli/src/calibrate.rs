@@ -6,7 +6,7 @@ use trueaxis_calibrate::{
     calibrate_with_effects,
 };
 use trueaxis_campaign::checksums;
-use trueaxis_diagnose::{Rejected, without_wrong_points};
+use trueaxis_diagnose::{KeptWrongPoint, Rejected, WithoutWrongPoints, without_wrong_points};
 use trueaxis_poses::{at_one_temperature, scene_of};
 use trueaxis_predict::{FactoredCovariance, OutputCovariance};
 
@@ -33,11 +33,19 @@ pub(crate) fn execute(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     let inputs = checksums(&args.campaign)?;
     let out = args.result.out.as_deref();
     let replaced = replaced(out, "calibration.json", &campaign, &inputs)?;
-    let kept = settings
-        .poses
+    let poses = &settings.poses;
+    let screened = poses
         .robust
-        .then(|| without_wrong_points(&campaign));
-    let (campaign, left_out) = kept.flatten().unwrap_or((campaign, Vec::new()));
+        .then(|| without_wrong_points(&campaign, poses.by_direction));
+    let WithoutWrongPoints {
+        campaign,
+        left_out,
+        kept,
+    } = screened.flatten().unwrap_or(WithoutWrongPoints {
+        campaign,
+        left_out: Vec::new(),
+        kept: Vec::new(),
+    });
     let in_file = || args.campaign.display().to_string();
     let mut extra = Vec::new();
     let mut checked = Vec::new();
@@ -72,7 +80,8 @@ pub(crate) fn execute(args: &CalibrateArgs) -> anyhow::Result<Exit> {
     let lines = summary::lines(&campaign, &calibration, args.paper_signs);
     let is_rejected = rejects_the_model(&calibration);
     let left_out = left_out.iter().map(Rejected::in_words);
-    calibration.notices.splice(0..0, left_out);
+    let of_points = left_out.chain(kept.iter().map(KeptWrongPoint::in_words));
+    calibration.notices.splice(0..0, of_points);
     let notices = [&campaign.notices, &calibration.notices, &of_effects].map(Vec::as_slice);
     let mut notices = notices.concat();
     notices.extend(replaced);

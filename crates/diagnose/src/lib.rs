@@ -53,6 +53,6 @@ pub use diagnosis::{
 pub use disturbance::{CorrelationLength, CurvePoint, Disturbance, Wandering};
 pub use error::Error;
 pub use fitted::{Against, Fitted, FittedPoint};
-pub use points::without_wrong_points;
+pub use points::{KeptWrongPoint, WithoutWrongPoints, without_wrong_points};
 pub use settings::Settings;
 pub use shares::Shares;

@@ -50,4 +50,4 @@ mod weighed;
 mod wrong_points;
 
 pub(crate) use report::diagnose_points;
-pub use wrong_points::without_wrong_points;
+pub use wrong_points::{KeptWrongPoint, WithoutWrongPoints, without_wrong_points};

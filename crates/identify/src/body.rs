@@ -95,6 +95,11 @@ pub struct StepPose {
 /// Shapes have converged when no coordinate changes by more than this, mm.
 const CONVERGED_MM: f64 = 1e-10;
 
+/// A shape this near, mm, lets every step find its pose with the weights of its points. Targets stand millimetres off, and
+/// the beam of a tracker weighs hundreds of times as much as the directions across: from the nominal shape the
+/// iteration of a pose may then diverge. With equal weights it does not.
+const NEAR_MM: f64 = 1e-3;
+
 /// Each pass changes the shape by a ten-thousandth (the size of the errors in rad) of the change before.
 const MAX_PASSES: usize = 60;
 
@@ -112,34 +117,74 @@ pub fn poses_of_body(
     let weights: Vec<DMatrix<f64>> = numbered(steps.len())
         .map(|i| shape.weight(&steps[i], &(noise.of_step)(i), noise.shared))
         .collect();
-    let mut shape_mm = nominal_mm.to_vec();
-    let pivot_mm = centroid(nominal_mm);
-    let mut found: Vec<StepPose> = Vec::new();
-    for _ in 0..MAX_PASSES {
-        let solve = |i: usize| {
-            let start = found.get(i).map(|step| step.pose.points_from_home);
-            let start = start.unwrap_or(steps[i].nominal);
-            let points = (&steps[i].points_mm[..], &weights[i]);
-            step_pose(&shape_mm, points, equations, (&start, pivot_mm))
-                .map_err(|error| StepError { step: i, error })
-        };
-        found = numbered(steps.len()).map(solve).collect::<Result<_, _>>()?;
-        let mut change_mm = 0.0_f64;
-        for (target, home) in shape_mm.iter_mut().enumerate() {
-            let left: Vector3<f64> = found.iter().map(|step| step.distortion_mm[target]).sum();
-            *home += left / shape.steps;
-            change_mm = change_mm.max((left / shape.steps).norm());
-        }
-        if change_mm <= CONVERGED_MM {
-            break;
-        }
-    }
+    let equal = DMatrix::identity(3 * nominal_mm.len(), 3 * nominal_mm.len());
+    let mut fitting = Fitting {
+        steps,
+        equations,
+        pivot_mm: centroid(nominal_mm),
+        shape_mm: nominal_mm.to_vec(),
+        found: Vec::new(),
+    };
+    fitting.settle(&|_| &equal, NEAR_MM)?;
+    fitting.settle(&|i| &weights[i], CONVERGED_MM)?;
+    let Fitting {
+        pivot_mm,
+        shape_mm,
+        found,
+        ..
+    } = fitting;
     Ok(BodyPoses {
         shape_mm,
         pivot_mm,
         steps: found,
         shape,
     })
+}
+
+/// The shape and the poses as far as they are known.
+struct Fitting<'a> {
+    steps: &'a [BodyStep],
+    equations: Equations,
+    pivot_mm: Point3<f64>,
+    shape_mm: Vec<Point3<f64>>,
+    found: Vec<StepPose>,
+}
+
+impl Fitting<'_> {
+    /// Fits poses and shape in turn until no coordinate of the shape changes by more than this.
+    fn settle<'w>(
+        &mut self,
+        about_shape: &(dyn Fn(usize) -> &'w DMatrix<f64> + Sync),
+        until_mm: f64,
+    ) -> Result<(), StepError> {
+        for _ in 0..MAX_PASSES {
+            let solve = |i: usize| {
+                let start = self.found.get(i).map(|step| step.pose.points_from_home);
+                let start = start.unwrap_or(self.steps[i].nominal);
+                let points = (&self.steps[i].points_mm[..], about_shape(i));
+                step_pose(
+                    &self.shape_mm,
+                    points,
+                    self.equations,
+                    (&start, self.pivot_mm),
+                )
+                .map_err(|error| StepError { step: i, error })
+            };
+            let count = self.steps.len();
+            self.found = numbered(count).map(solve).collect::<Result<_, _>>()?;
+            let mut change_mm = 0.0_f64;
+            for (target, home) in self.shape_mm.iter_mut().enumerate() {
+                let left = self.found.iter().map(|step| step.distortion_mm[target]);
+                let change = left.sum::<Vector3<f64>>() / count as f64;
+                *home += change;
+                change_mm = change_mm.max(change.norm());
+            }
+            if change_mm <= until_mm {
+                break;
+            }
+        }
+        Ok(())
+    }
 }
 
 fn step_pose(

@@ -1,10 +1,15 @@
-//! What moves instead, where all targets are on the machine: targets on the bed, which do not move, would show it.
+//! What moves instead.
+//!
+//! Where all targets are on the machine (targets on the bed, which do not move, would show it):
 //!
 //! - A machine that shifts while one station is occupied: the lengths show an opposite jump of that tripod. Later
 //!   stations are determined against the shifted machine. If one name is found, both are given.
 //! - A machine that is larger instead of lengths that are shown too long. From one station a whole machine that grew by
 //!   s is a scale s of its lengths: `u (p - c) s = l s - u (c - station) s`, where the station's position absorbs the
 //!   rest. Over time it does not, but the difference is small.
+//!
+//! With any targets, a reflector whose error differs from station to station instead of one that slips between two
+//! occupations: it is turned to the next station then, and stands in its nest otherwise, or is seen at another angle.
 
 use trueaxis_effects::{Shape, Subject, effect};
 use trueaxis_selection::{DECISIVE, Fit, Hypothesis};
@@ -15,13 +20,14 @@ use crate::engine::{Found, Suspect};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 
-/// Adds to a shift of the machine the jump of a tripod at the same instant, and to a scale of lengths a machine that
-/// grows in the same course, if it explains nearly as much.
+/// Adds to the slip of a target a reflector that was turned, to a shift of the machine the jump of a tripod at the same
+/// instant, and to a scale of lengths a machine that grows in the same course, if it explains nearly as much.
 pub(crate) fn add_what_moves_instead(
     base: &Base<'_>,
     adjusted: &Adjusted,
     found: &mut [Found],
 ) -> Result<(), Error> {
+    add_turned_reflectors(base, adjusted, found)?;
     let Some(jump) = effect("station_jump").filter(|_| !base.scene.has_bed_targets()) else {
         return Ok(());
     };
@@ -71,6 +77,54 @@ pub(crate) fn add_what_moves_instead(
             .extend(grown.map(|gained| (machine, gained)));
     }
     Ok(())
+}
+
+/// Adds to the slip of a target its reflector, if it may have slipped between two occupations.
+fn add_turned_reflectors(
+    base: &Base<'_>,
+    adjusted: &Adjusted,
+    found: &mut [Found],
+) -> Result<(), Error> {
+    for (k, found) in found.iter_mut().enumerate() {
+        let (hypothesis, shape) = (found.suspect.hypothesis, found.suspect.shape);
+        let slips = hypothesis.effect.id == "target_slip";
+        let Some(target) = hypothesis.subject.target.filter(|_| slips) else {
+            continue;
+        };
+        let mut others = adjusted.suspects.clone();
+        others.remove(k);
+        let without = base.adjust_near(adjusted, others)?;
+        let gained = |shape: f64| {
+            let columns = base.columns(&without, &hypothesis, shape);
+            Fit::new(&without.projection, &columns).gained()
+        };
+        let between = between_occupations(base, target).into_iter();
+        let turned = between.map(gained).max_by(f64::total_cmp);
+        let turned = turned.filter(|turned| gained(shape) - turned < DECISIVE);
+        let reflector = Wanderer::new(Who::Target(target), With::Campaign);
+        let is_new = found.wandering.iter().all(|(own, _)| *own != reflector);
+        found
+            .wandering
+            .extend(turned.filter(|_| is_new).map(|gained| (reflector, gained)));
+    }
+    Ok(())
+}
+
+/// Instants after which no station sees a target that saw it before, s.
+fn between_occupations(base: &Base<'_>, target: usize) -> Vec<f64> {
+    let own = base.readings.iter().filter(|r| r.target == target);
+    let mut own: Vec<(f64, usize)> = own.map(|r| (r.time_s, r.station)).collect();
+    own.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let parts = |k: &usize| {
+        let (before, after) = own.split_at(*k);
+        own[k - 1].0 < own[*k].0
+            && before
+                .iter()
+                .all(|(_, s)| after.iter().all(|(_, t)| s != t))
+    };
+    let ends = (1..own.len()).filter(|k| own[k - 1].1 != own[*k].1);
+    let instants = ends.filter(parts);
+    instants.map(|k| 0.5 * (own[k - 1].0 + own[k].0)).collect()
 }
 
 /// Whitened columns of a machine that grows in the course of a scale of lengths, about the origin and any point.

@@ -3,25 +3,66 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use trueaxis_campaign::{Campaign, Points};
-use trueaxis_poses::{MIN_TARGETS, at_one_temperature, scene_of};
+use trueaxis_poses::{MIN_TARGETS, at_one_temperature, scene_of, step_in_words};
 
 use crate::Rejected;
 use crate::points::gross_errors::Gross;
 use crate::points::screened::{Screened, without};
 
-/// A campaign without the points that contradict all others, and these; `None` without any, or with too many.
+/// A campaign without its wrong points.
+pub struct WithoutWrongPoints {
+    /// The campaign with the points that may be believed, and those that have to stay.
+    pub campaign: Campaign,
+    /// Points that left, by line.
+    pub left_out: Vec<Rejected>,
+    /// Points that contradict the others as much, and stay: their run would have too few targets, by line.
+    pub kept: Vec<KeptWrongPoint>,
+}
+
+/// A wrong point that stays.
+pub struct KeptWrongPoint {
+    /// The point, and by how much it is off.
+    pub wrong: Rejected,
+    /// Its step, as `run x at X = 40 mm, Y = 0 mm`.
+    pub place: String,
+}
+
+impl KeptWrongPoint {
+    /// The notice about it.
+    pub fn in_words(&self) -> String {
+        let Rejected {
+            file,
+            row,
+            error_um,
+            u_um,
+            reason,
+        } = &self.wrong;
+        format!(
+            "{file} line {row}: off by {error_um:.1} µm (u = {u_um:.1} µm): {reason}; it was kept, since a pose of {} would have fewer than three \
+             targets without it: do not trust the results there until the step is measured again",
+            self.place
+        )
+    }
+}
+
+/// A campaign without the points that contradict all others, and these; `None` if no point does, or too many do.
 ///
 /// They are the points that [`crate::diagnose`] leaves out if it finds no cause. Where points or stops contradict
 /// each other and nothing shows which is wrong, all of them leave. Points of a step stay if the run would otherwise
-/// have fewer than three targets at all of its steps.
-pub fn without_wrong_points(campaign: &Campaign) -> Option<(Campaign, Vec<Rejected>)> {
+/// have fewer than three targets at all of its steps; `by_direction` says whether each side of a step has a pose of
+/// its own.
+pub fn without_wrong_points(campaign: &Campaign, by_direction: bool) -> Option<WithoutWrongPoints> {
     let points = campaign.points.as_ref()?;
     let at_one = at_one_temperature(campaign);
     let scene = scene_of(&at_one);
     let mut gross = Screened::beside(&at_one, at_one.points.as_ref()?, &scene, &[]).gross;
+    if gross.is_empty() {
+        return None;
+    }
     gross.sort_by_key(|own| own.step);
     let mut removed: Vec<usize> = Vec::new();
-    let mut rejected: Vec<Rejected> = Vec::new();
+    let mut left_out: Vec<Rejected> = Vec::new();
+    let mut kept: Vec<KeptWrongPoint> = Vec::new();
     for of_step in gross.chunk_by(|a, b| a.step == b.step) {
         let own = of_step.iter().flat_map(|own| &own.points);
         let with_own: Vec<usize> = removed
@@ -29,28 +70,37 @@ pub fn without_wrong_points(campaign: &Campaign) -> Option<(Campaign, Vec<Reject
             .copied()
             .chain(own.map(|p| p.number))
             .collect();
-        if has_poses(campaign, points, &with_own) {
+        let wrong = of_step.iter().flat_map(Gross::rejected);
+        if has_poses(campaign, points, &with_own, by_direction) {
             removed = with_own;
-            rejected.extend(of_step.iter().flat_map(Gross::rejected));
+            left_out.extend(wrong);
+        } else {
+            let place = step_in_words(campaign, of_step[0].step);
+            kept.extend(wrong.map(|wrong| KeptWrongPoint {
+                wrong,
+                place: place.clone(),
+            }));
         }
     }
-    if rejected.is_empty() {
-        return None;
-    }
-    rejected.sort_by_key(|own| own.row);
-    let kept = Campaign {
-        points: Some(without(points, &removed)),
-        ..campaign.clone()
-    };
-    Some((kept, rejected))
+    left_out.sort_by_key(|own| own.row);
+    kept.sort_by_key(|own| own.wrong.row);
+    Some(WithoutWrongPoints {
+        campaign: Campaign {
+            points: Some(without(points, &removed)),
+            ..campaign.clone()
+        },
+        left_out,
+        kept,
+    })
 }
 
-/// Whether every run keeps the targets that it has at all of its steps, from each side, or three of them.
-fn has_poses(campaign: &Campaign, points: &Points, removed: &[usize]) -> bool {
+/// Whether every run keeps the targets that it has for all of its poses, or three of them.
+fn has_poses(campaign: &Campaign, points: &Points, removed: &[usize], by_direction: bool) -> bool {
     let mut seen: BTreeMap<Place, [BTreeSet<usize>; 2]> = BTreeMap::new();
     for stop in &points.stops {
         let run = campaign.steps[stop.step].run;
-        let place = (run, stop.step, stop.direction.sign() > 0);
+        let side = by_direction.then(|| stop.direction.sign() > 0);
+        let place = (run, stop.step, side);
         let own = seen.entry(place).or_default();
         for number in stop.readings.clone() {
             let target = points.readings[number].target;
@@ -71,5 +121,5 @@ fn has_poses(campaign: &Campaign, points: &Points, removed: &[usize]) -> bool {
     })
 }
 
-/// Run, step and whether the step was approached from below.
-type Place = (Option<usize>, usize, bool);
+/// Run, step and, if that has a pose of its own, whether the step was approached from below.
+type Place = (Option<usize>, usize, Option<bool>);

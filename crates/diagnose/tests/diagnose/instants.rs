@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 use rand_distr::{Distribution, StandardNormal};
 use trueaxis_campaign::{Campaign, Direction, PointReading, Points, Run, Step, Stop, Target};
-use trueaxis_diagnose::{Cause, Settings, diagnose};
+use trueaxis_diagnose::{Cause, Rival, Settings, diagnose};
 use trueaxis_simulate::{Scenario, simulate};
 
 use crate::iso_run::{Place, places, table};
@@ -28,31 +28,59 @@ fn simulated(effects: serde_json::Value) -> Campaign {
     simulate(&scenario, 3).unwrap().campaign
 }
 
-/// From the start of the last stop with target V at S2 to the first at S3, s.
-fn gap_s() -> [f64; 2] {
+/// Starts of the stops with target V at a station, s.
+fn starts_s(station: usize) -> Vec<f64> {
     let campaign = simulated(serde_json::json!([]));
     let lengths = campaign.lengths.as_ref().unwrap();
-    let starts_s = |station: usize| {
-        let stops = lengths.stops.iter();
-        let readings = stops.filter(move |stop| stop.station == station);
-        let readings = readings.map(|stop| &lengths.readings[stop.readings.clone()]);
-        let is_v = |target: usize| campaign.targets[target].name == "V";
-        let with_v = readings.filter(move |own| own.iter().any(|r| is_v(r.target)));
-        with_v.map(|own| own[0].time_s).collect::<Vec<f64>>()
-    };
+    let stops = lengths.stops.iter();
+    let readings = stops.filter(|stop| stop.station == station);
+    let readings = readings.map(|stop| &lengths.readings[stop.readings.clone()]);
+    let is_v = |target: usize| campaign.targets[target].name == "V";
+    let with_v = readings.filter(|own| own.iter().any(|r| is_v(r.target)));
+    with_v.map(|own| own[0].time_s).collect()
+}
+
+/// From the start of the last stop with target V at S2 to the first at S3, s.
+fn gap_s() -> [f64; 2] {
     [*starts_s(1).last().unwrap(), starts_s(2)[0]]
 }
 
-/// The time of the slip that is found, and its u, s.
-fn found_s([x, y, z]: [f64; 3], slip_s: f64) -> [f64; 2] {
+/// The slip that is found where target V slips by this, µm, at this time.
+fn found_slip([x, y, z]: [f64; 3], slip_s: f64) -> Cause {
     let slip = serde_json::json!([{ "effect": "target_slip", "subject": { "target": "V" }, "parameters": [
         { "name": "slip_x", "value": x, "unit": "um" }, { "name": "slip_y", "value": y, "unit": "um" },
         { "name": "slip_z", "value": z, "unit": "um" }, { "name": "time", "value": slip_s, "unit": "s" } ] }]);
-    let diagnosis = diagnose(&simulated(slip), &Settings::default()).unwrap();
-    let cause = &diagnosis.causes[0];
+    let mut diagnosis = diagnose(&simulated(slip), &Settings::default()).unwrap();
+    let cause = diagnosis.causes.swap_remove(0);
     assert_eq!(cause.effect.effect.id, "target_slip");
+    cause
+}
+
+/// The time of the slip that is found, and its u, s.
+fn found_s(slip_um: [f64; 3], slip_s: f64) -> [f64; 2] {
+    let cause = found_slip(slip_um, slip_s);
     let time = cause.parameters.last().unwrap();
     [time.value, time.u]
+}
+
+/// Between two occupations a reflector is turned to the next station: it may then stand elsewhere in its nest and have slipped nowhere.
+/// Within an occupation nobody touches it.
+#[test]
+fn a_slip_between_two_occupations_may_be_a_reflector_that_was_turned() {
+    let [before_s, after_s] = gap_s();
+    let of_s2 = starts_s(1);
+    let within_s = of_s2[of_s2.len() / 2] - 1.0;
+    for (slip_s, may_be_turned) in [(0.5 * (before_s + after_s), true), (within_s, false)] {
+        let cause = found_slip([9.0, 12.0, 2.0], slip_s);
+        let of_v = |rival: &Rival| match rival {
+            Rival::Disturbance { whose, .. } => {
+                whose.subject.target == cause.effect.subject.target && whose.varies_with == ["time"]
+            }
+            _ => false,
+        };
+        assert_eq!(cause.rivals.iter().any(of_v), may_be_turned, "{slip_s}");
+        assert_eq!(cause.rivals.is_empty(), !may_be_turned, "{slip_s}");
+    }
 }
 
 /// A target of the table slips while the tracker moves from S2 to S3 and measures the tool: anywhere in that time, of which the

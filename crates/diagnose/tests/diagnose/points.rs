@@ -257,9 +257,10 @@ fn a_stop_that_is_off_leaves_with_its_lines() {
         let off_um = found.rejected[0].error_um - 1e3 * off_mm;
         assert!(off_um.abs() < 4.0 * found.rejected[0].u_um, "{off_um}");
         // `calibrate` goes without the same.
-        let (kept, rejected) = without_wrong_points(&campaign).unwrap();
-        assert_eq!(told(&rejected), expected);
-        assert_eq!(kept.points.unwrap().readings.len(), 756 - 3);
+        let screened = without_wrong_points(&campaign, false).unwrap();
+        assert_eq!(told(&screened.left_out), expected);
+        let kept = screened.campaign.points.unwrap();
+        assert_eq!(kept.readings.len(), 756 - 3);
     }
 }
 
@@ -293,7 +294,39 @@ fn stops_that_were_read_too_early_silence_no_cause() {
     }
 }
 
-/// A point that is measured once stays: without it the step would have two targets.
+/// Both visits of one side see a target elsewhere by 0.1 mm. The other side has seen it, so that both leave, as in the diagnosis, unless
+/// each side has a pose of its own: then they stay, with a notice.
+#[test]
+fn two_wrong_visits_of_one_side_leave() {
+    for (seed, step) in [(23, 43), (24, 44), (25, 45)] {
+        let mut campaign = made(&Plan::THREE_AXES, &[], seed);
+        let points = campaign.points.as_mut().unwrap();
+        let target = 1;
+        let own = points.stops.iter();
+        let own = own.filter(|stop| stop.step == step && stop.direction.sign() > 0);
+        let own = own.flat_map(|stop| stop.readings.clone());
+        let own: Vec<usize> = own
+            .filter(|&row| points.readings[row].target == target)
+            .collect();
+        assert_eq!(own.len(), 2);
+        for (&row, off) in own.iter().zip([Vector3::x(), Vector3::z()]) {
+            points.readings[row].position_mm += 0.1 * off;
+        }
+        let expected: Vec<usize> = own.iter().map(|row| row + 2).collect();
+        let told = |rejected: &[Rejected]| rejected.iter().map(|r| r.row).collect::<Vec<_>>();
+        let both = without_wrong_points(&campaign, false).unwrap();
+        assert_eq!(told(&both.left_out), expected);
+        assert!(both.kept.is_empty());
+        let each = without_wrong_points(&campaign, true).unwrap();
+        assert!(each.left_out.is_empty());
+        let kept = each.kept.iter().map(|kept| kept.wrong.row);
+        assert_eq!(kept.collect::<Vec<_>>(), expected);
+        let left = each.campaign.points.unwrap();
+        assert_eq!(left.readings.len(), 756);
+    }
+}
+
+/// A point that is measured once stays, with a notice: without it the step would have two targets.
 #[test]
 fn a_pose_keeps_its_three_targets() {
     let plan = Plan {
@@ -304,7 +337,19 @@ fn a_pose_keeps_its_three_targets() {
     let mut campaign = made(&plan, &[], 18);
     let points = campaign.points.as_mut().unwrap();
     points.readings[70].position_mm.y += 0.3;
-    assert!(without_wrong_points(&campaign).is_none());
+    let screened = without_wrong_points(&campaign, false).unwrap();
+    assert!(screened.left_out.is_empty());
+    assert_eq!(screened.campaign.points, campaign.points);
+    let [kept] = &screened.kept[..] else {
+        panic!("{} points", screened.kept.len());
+    };
+    assert_eq!(kept.wrong.row, 72);
+    let notice = kept.in_words();
+    assert!(
+        notice.contains("do not trust the results there"),
+        "{notice}"
+    );
+    assert!(notice.contains("run "), "{notice}");
 }
 
 /// The instrument stands elsewhere, turned by 20″, while the runs of Y are measured, in each repeat: nothing within a run shows it, and the
