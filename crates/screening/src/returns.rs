@@ -1,5 +1,6 @@
 //! How each axis returns to its steps: all alike, some worse than others, or at a different angle at each visit.
 
+mod growing;
 mod turning;
 mod turns;
 mod uneven;

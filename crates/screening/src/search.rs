@@ -86,6 +86,8 @@ pub(crate) struct Search {
     far: Vec<(usize, f64)>,
     /// Readings that were removed because nothing checks them without a wrong one: they do not come back.
     unchecked: Vec<bool>,
+    /// How often each reading came back in the last snooping.
+    returns: Vec<u8>,
     /// So many jumps were found that something else changes with time: no occupation is split.
     never_split: bool,
     /// Whether occupations are also split where a zero or a tripod wanders.
@@ -133,6 +135,7 @@ impl Search {
             most_removed,
             far,
             unchecked: vec![false; readings],
+            returns: vec![0; readings],
             never_split: false,
             splits_what_wanders: false,
             excluded: Vec::new(),

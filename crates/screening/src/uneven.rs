@@ -222,7 +222,11 @@ fn factors_of_readings(network: &Network, uneven: &[Uneven], factors: &[f64]) ->
 }
 
 /// Squares of how some numbers of a visit change to the next one that reads the same points.
-fn changes(network: &Network, visits: &[usize], of_visit: impl Fn(usize) -> Vec<f64>) -> Vec<f64> {
+pub(crate) fn changes(
+    network: &Network,
+    visits: &[usize],
+    of_visit: impl Fn(usize) -> Vec<f64>,
+) -> Vec<f64> {
     let points = |visit: usize| {
         let readings = &network.readings[network.visits[visit].readings.clone()];
         readings.iter().map(|r| r.point)

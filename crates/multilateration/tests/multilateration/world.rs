@@ -91,8 +91,9 @@ pub(crate) fn add_noise(network: &mut Network, truth: &Truth, rng: &mut ChaCha8R
         for reading in &mut network.readings[visit.readings.clone()] {
             let p = truth.points[3 * visit.group + reading.point];
             let (position, dead_path) = truth.stations[visit.station];
-            reading.length_mm =
-                (p + shift - position).norm() - dead_path + normal() * noise.length_sigma_mm;
+            let distance_mm = (p + shift - position).norm();
+            let error_mm = normal() * noise.length_sigma_at_mm(distance_mm);
+            reading.length_mm = distance_mm - dead_path + error_mm;
         }
     }
 }

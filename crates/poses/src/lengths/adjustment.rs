@@ -16,7 +16,7 @@ use crate::lengths::refused::{contradictory, screening_error};
 use crate::lengths::returns::axes_of;
 use crate::lengths::scale::Scale;
 use crate::lengths::side_by_side::{side_by_side, sides_alone};
-use crate::lengths::uneven::uneven_in_words;
+use crate::lengths::uneven::{growing_in_words, uneven_in_words};
 use crate::report::KnownMisfit;
 use crate::settings::{Method, Settings};
 
@@ -72,23 +72,38 @@ impl<'a> LengthsAdjustment<'a> {
             sides.set(found.is_some());
             found
         };
-        let adjusted = adjust_as_a_set(
-            &mut network,
-            |screened: &Screened| &screened.solution,
-            |network| match settings.robust {
-                true => screen_unless(network, declared, settings.most_removed, || {
-                    of_sides(network)
-                }),
-                false => Screened::plain(network, declared),
-            },
-        );
+        let adjust = |network: &mut Network, declared: bool| {
+            adjust_as_a_set(
+                network,
+                |screened: &Screened| &screened.solution,
+                |network| match settings.robust {
+                    true => screen_unless(network, declared, settings.most_removed, || {
+                        of_sides(network)
+                    }),
+                    false => Screened::plain(network, declared),
+                },
+            )
+        };
+        let mut adjusted = adjust(&mut network, declared);
+        let is_asked = settings.robust && !settings.asks_why;
+        let axes = axes_of((campaign, lengths), (&network, &groups), settings);
+        let grows = is_asked.then(|| axes.noise_that_grows(adjusted.as_ref()));
+        let mut grows_with_length = false;
+        if let Some(noise) = grows.flatten() {
+            let mut growing = Network {
+                noise,
+                ..network.clone()
+            };
+            if let Ok(found) = adjust(&mut growing, true) {
+                (network, adjusted, grows_with_length) = (growing, Ok(found), true);
+            }
+        }
         if adjusted.is_err() {
             // Whether the constants are known was not found out.
             network.reflectors = reflectors_known;
         }
         let axes = axes_of((campaign, lengths), (&network, &groups), settings);
-        let is_asked = settings.robust && !settings.asks_why && !sides.get();
-        let found = is_asked.then(|| axes.returned(adjusted.as_ref()));
+        let found = (is_asked && !sides.get()).then(|| axes.returned(adjusted.as_ref()));
         let (ratios, adjusted) = match found.flatten() {
             Some((ratios, found)) => (ratios, Ok(found)),
             None => (Vec::new(), adjusted),
@@ -117,6 +132,8 @@ impl<'a> LengthsAdjustment<'a> {
         let mut notices = adjustment.check(!ratios.is_empty())?;
         notices.extend(adjustment.returns(&ratios));
         notices.extend(adjustment.weigh(network.noise)?);
+        notices
+            .extend(grows_with_length.then(|| growing_in_words(&adjustment.screened.noise.noise)));
         adjustment.widen()?;
         adjustment.take_known(bodies)?;
         Ok((adjustment, notices))

@@ -98,6 +98,7 @@ fn of_sides(
     if settings.method != Method::Joint {
         apart.bodies = None;
     }
+    apart.noise = joined.noise;
     let of_both = (&apart, &of_sides.groups[..]);
     apart = axes_of((campaign, lengths), of_both, settings).with(ratios);
     if let (Some(own), Some(of_all)) = (&mut apart.reflectors, &joined.reflectors) {

@@ -1,7 +1,7 @@
-//! The notice about lengths that scatter more than the others.
+//! The notices about lengths that scatter more than the others.
 
 use trueaxis_campaign::Campaign;
-use trueaxis_multilateration::Network;
+use trueaxis_multilateration::{Network, Noise};
 use trueaxis_screening::{LessWeight, Whose};
 
 use crate::lengths::network::{Group, target_at};
@@ -30,5 +30,14 @@ pub fn uneven_in_words(
     format!(
         "{which} lengths scatter {:.1} times as much as the others, and weigh less by that; {advice}",
         own.factor.sqrt()
+    )
+}
+
+/// A notice that far lengths scatter more than near ones by this noise.
+pub(super) fn growing_in_words(noise: &Noise) -> String {
+    format!(
+        "lengths scatter more the longer they are, and no such part of their noise is declared: it is {:.2} ppm of the \
+         length, and long ones weigh less by that; declare it as length_sigma_ppm of the instrument",
+        noise.length_sigma_relative * 1e6
     )
 }

@@ -6,10 +6,12 @@ use super::{HOPELESS, MAX_ROUNDS, READINGS_LEVEL, Search};
 use crate::Error;
 use crate::robust_weights::REMOVED;
 
+/// A reading that left again after so many returns stays out: alone it may seem to fit where its visit does not.
+const MOST_RETURNS: u8 = 2;
+
 impl Search {
     pub(super) fn snoop(&mut self) -> Result<(), Error> {
-        // A reading that is removed and comes back repeatedly stays out.
-        let mut returns = vec![0_u8; self.network.readings.len()];
+        self.returns.fill(0);
         for _ in 0..MAX_ROUNDS {
             if self.is_lost() {
                 break;
@@ -21,13 +23,12 @@ impl Search {
                 self.solve()?;
                 continue;
             }
-            let mut changes = self.changes(&tests, spread);
-            changes.retain(|&(reading, factor)| factor >= REMOVED || returns[reading] < 2);
+            let changes = self.changes(&tests, spread);
             if changes.is_empty() {
                 return Ok(());
             }
             for (reading, factor) in changes {
-                returns[reading] += u8::from(factor < REMOVED);
+                self.returns[reading] += u8::from(factor < REMOVED);
                 self.inflation[reading] = factor;
             }
             self.solve()?;
@@ -47,7 +48,7 @@ impl Search {
             for i in visit.readings.clone().filter(|&i| !self.unchecked[i]) {
                 let w = tests.readings[i].w.abs();
                 let is_out = self.inflation[i] >= REMOVED;
-                if is_out && w <= limit {
+                if is_out && w <= limit && self.returns[i] < MOST_RETURNS {
                     take_if_larger(&mut best[visit.group], -w, i);
                 } else if !is_out && w > limit {
                     take_if_larger(&mut worst[visit.group], w, i);

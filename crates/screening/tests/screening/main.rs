@@ -4,6 +4,7 @@
 
 mod bodies;
 mod gross_errors;
+mod growing;
 mod noise_components;
 mod sweeps;
 mod unnoticed;
