@@ -13,8 +13,8 @@ pub struct Disturbance {
     pub whose: Wandering,
     /// Probability that noise alone looks as much like any disturbance (family-wise).
     pub p_value: f64,
-    /// Rms of its effect on the readings of the level, µm; for a verification what it takes out of the misfit, with the
-    /// weights of this.
+    /// Rms of its effect on the readings of the level, µm; for a verification the rms of what it takes out of the misfit,
+    /// weighted like the misfit.
     pub rms_um: f64,
     /// Its share of the misfit of its level, 0 to 1 ([`crate::Shares`]).
     pub share: f64,

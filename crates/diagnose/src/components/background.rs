@@ -6,11 +6,11 @@
 //! K(d) = (1 + √3 d/ℓ) exp(-√3 d/ℓ)     or     exp(-d/ℓ)
 //! ```
 //!
-//! whose power falls with the fourth power of the frequency: continuous, with a continuous slope, as
-//! guideways and bearings are; or with the second, as where pitch errors of a screw or a scale add up from one pitch to
-//! the next, independent of each other. By the first alone such a curve has waves. Both are equally likely. d is the distance of two positions and ℓ twice the travel of a linear axis; for a
+//! The power of the first falls with the fourth power of the frequency: such a curve is continuous, with a continuous
+//! slope, as guideways and bearings are. That of the second falls with the second power, as where pitch errors of a screw
+//! or a scale, independent of each other, add up: with Matérn 3/2 alone such a curve has waves. Both are equally likely. d is the distance of two positions and ℓ twice the travel of a linear axis; for a
 //! rotary one d is the chord `2 sin(Δ/2)`, so that 0° and 360° are the same position, and ℓ = 2. This is an
-//! assumption about machines, and it decides how large a slope or a single wave must be to stand out: the straight
+//! assumption about machines, and (Matérn 3/2) it decides how large a slope or a single wave must be to stand out: the straight
 //! part of a curve is expected to have, at the ends of the travel, about five times the rms of the bent part, and one
 //! wave per turn 2.4 times the amplitude of two. A shorter ℓ expects less (three times with ℓ the travel) and names
 //! more curves. s and w are not known: they run
@@ -221,12 +221,13 @@ fn turned(turn: &DMatrix<f64>, column: &[f64]) -> Vec<f64> {
     turned
 }
 
-/// Matérn 3/2 and 1/2 at a distance in ℓ.
+/// Matérn 3/2 at a distance in ℓ.
 fn bent_alike(distance: f64) -> f64 {
     let x = 3.0_f64.sqrt() * distance;
     (1.0 + x) * (-x).exp()
 }
 
+/// Matérn 1/2 at a distance in ℓ.
 fn adding_up(distance: f64) -> f64 {
     (-distance).exp()
 }

@@ -6,8 +6,10 @@
 //! passes is, by analysis of variance for each direction,
 //!
 //! ```text
-//! s_b² = Σ (m_p - m)² / ν - s_w² / n        u²(lost motion) += s_b² (1/n₊ + 1/n₋)
+//! s_b² = Σ (m_p - m)² / ν - s² (1 + ρ)/(1 - ρ) / n        u²(lost motion) += s_b² (1/n₊ + 1/n₋)
 //! ```
+//!
+//! with the variance s² and the correlation ρ of all that is left, which the u² of the fit contains.
 //!
 //! Where something wanders, a smooth course has taken part of that, and part of the means is the course. The differences
 //! of the two passes of each cycle are nearly free of it: their variance over the number of cycles is the least `u²`.
@@ -15,6 +17,7 @@
 use trueaxis_selection::{Projection, add};
 
 use crate::engine::linear::Chosen;
+use crate::verification::base::{count, lines};
 use crate::verification::problem::Problem;
 
 /// Fewest degrees of freedom of a variance between passes, and between cycles.
@@ -61,6 +64,10 @@ pub(crate) fn variance_um2(
     causes: &[Chosen],
     alone_um2: f64,
 ) -> f64 {
+    // Passes of several lines do not follow each other in one cycle.
+    if count(&lines(problem.comparison)) > 1 {
+        return alone_um2;
+    }
     let mut left = after.residuals.clone();
     add(&mut left, wandered, 1.0);
     let passes = Passes::new(problem, &left);
@@ -73,7 +80,7 @@ pub(crate) fn variance_um2(
             false => alone_um2,
         };
     }
-    let counts = [0, 1].map(|side| passes.means_um[side].len() as f64);
+    let counts = passes.means_um.each_ref().map(|own| own.len() as f64);
     let of_time = causes.iter().map(|cause| problem.listed.hypothesis(cause));
     let of_time = of_time.filter(|own| own.is_of_time()).count() as f64;
     let freedom = counts[0] + counts[1] - 2.0 - of_time;
@@ -82,7 +89,9 @@ pub(crate) fn variance_um2(
     }
     let total: f64 = passes.means_um.iter().map(|own| squares(own)).sum();
     let readings = problem.readings() as f64;
-    let of_means_um2 = problem.rms_um(after).powi(2) * (counts[0] + counts[1]) / readings;
+    let rho = problem.whitening.correlation;
+    let of_reading_um2 = problem.rms_um(after).powi(2) * (1.0 + rho) / (1.0 - rho);
+    let of_means_um2 = of_reading_um2 * (counts[0] + counts[1]) / readings;
     let between_um2 = (total / freedom - of_means_um2).max(0.0);
     alone_um2 + between_um2 * (1.0 / counts[0] + 1.0 / counts[1])
 }

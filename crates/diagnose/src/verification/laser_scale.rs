@@ -10,6 +10,9 @@ use trueaxis_selection::Hypothesis;
 use crate::Rival;
 use crate::verification::comparison::Comparison;
 
+/// Most that air, or a sensor for the temperature of the material, takes a laser's scale wrong by, ppm: some kelvin of steel.
+const MOST_PPM: f64 = 50.0;
+
 /// The drift of the laser's scale that reads like the growth of a linear axis with these values.
 pub(crate) fn instead(
     comparison: &Comparison<'_>,
@@ -20,6 +23,9 @@ pub(crate) fn instead(
     let is_linear = comparison.machine.axes()[axis].kind() == AxisKind::Linear;
     let grows = hypothesis.effect.grows_axis() && hypothesis.subject.axis == Some(axis);
     let effect = effect("refraction_drift").filter(|_| is_linear && grows)?;
+    if parameters.iter().any(|ppm| ppm.abs() > MOST_PPM) {
+        return None;
+    }
     Some(Rival::Effect {
         effect: ResolvedEffect {
             effect,

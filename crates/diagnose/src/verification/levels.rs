@@ -1,7 +1,6 @@
-//! Readings that jump between two levels: a loose mount, a sensor that takes another fringe, a bistable joint.
+//! Readings that jump between two levels: a loose mount, a sensor that locks onto another fringe, a bistable joint.
 //!
-//! Jumps this frequent are no shift with an instant, and neighbours are alike as in correlated noise, which takes them
-//! in. So readings that are otherwise clean are compared under two models, beside the base model: autoregressive noise,
+//! Jumps this frequent are no shift with an instant, and neighbours are alike as in correlated noise, which absorbs them. So readings that are otherwise clean are compared under two models, beside the base model: autoregressive noise,
 //! and two levels `±a` with white noise, between which the readings jump with one probability (a hidden Markov model,
 //! Rabiner 1989, fitted by expectation and maximisation). How much likelier two levels look by chance depends on the
 //! table, so tables of autoregressive noise alone are made for comparison.
@@ -29,6 +28,9 @@ const LEAST_JUMPS: f64 = 3.0;
 /// Distance of levels that are clearly apart, in standard deviations of the noise beside them.
 const APART: f64 = 3.0;
 
+/// Distance of levels in last digits of the readings: noise that is coarsely rounded has two levels next to each other.
+const DIGITS: f64 = 5.0;
+
 /// Most steps of expectation and maximisation.
 const STEPS: usize = 60;
 
@@ -50,7 +52,9 @@ pub(crate) fn levels(problem: &Problem<'_>) -> Option<Unexplained> {
     }
     let base = Projection::dense(comparison.difference_um.clone(), &columns);
     let seen = TwoLevels::new(&base, &base.residuals)?;
-    let is_clear = seen.two_ln_ratio > WORTH_A_LOOK
+    let digit_um = 12.0_f64.sqrt() * comparison.resolution_um().unwrap_or_default();
+    let is_clear = 2.0 * seen.half_um > DIGITS * digit_um
+        && seen.two_ln_ratio > WORTH_A_LOOK
         && seen.jumps >= LEAST_JUMPS
         && 2.0 * seen.half_um > APART * seen.noise_um;
     if !is_clear || looks_as_much(&base, problem.whitening.correlation, seen.two_ln_ratio) {

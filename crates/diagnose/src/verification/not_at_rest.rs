@@ -19,7 +19,7 @@ const LEAST_STOPS: usize = 8;
 /// Probability that an axis at rest counts as one under way.
 const LEVEL: f64 = 1e-6;
 
-/// From this part of the effect of lost motion on, the sides may differ by nothing else.
+/// From this part of the rms effect of lost motion, which is half of it, the sides may differ by nothing else.
 const PART_OF_IT: f64 = 0.1;
 
 /// By how much readings run on within a stop.

@@ -102,7 +102,7 @@ fn position_columns(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
 const FADES_RAD: [f64; 2] = [1.0 * PI / 180.0, 4.0 * PI / 180.0];
 
 /// For each end of each axis of a ball bar columns that fade away with the angle of the bar since the axis turned
-/// round there.
+/// round there; not where a pass begins.
 fn after_reversals(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
     if comparison.line().is_some() {
         return Vec::new();

@@ -65,7 +65,7 @@ pub(crate) fn put_in_order(verification: &mut Verification) -> InOrder {
     }
     let mut order = orders.into_iter().max().unwrap_or(Order::Measured);
     let mut other = None;
-    if order == Order::Printed {
+    if order == Order::Printed && may_be_blocks(readings, axis, &lines) {
         let sorted = in_standard_order(readings, axis, &lines);
         let told = told_by_readings(readings, axis, &lines, &sorted);
         order = match told {
@@ -73,17 +73,38 @@ pub(crate) fn put_in_order(verification: &mut Verification) -> InOrder {
             Tells::Other => Order::Printed,
             Tells::Neither => Order::Open,
         };
-        if told != Tells::Listed {
+        if told == Tells::Neither {
             let sorted = sorted.iter().map(|&row| readings[row].clone()).collect();
-            let listed = std::mem::replace(&mut verification.readings, sorted);
-            other = (told == Tells::Neither).then_some(listed);
+            other = Some(std::mem::replace(&mut verification.readings, sorted));
         }
+    }
+    if order == Order::Printed {
+        let sorted = in_standard_order(&verification.readings, axis, &lines);
+        let sorted = sorted.iter().map(|&row| verification.readings[row].clone());
+        verification.readings = sorted.collect();
     }
     let said = order.in_words();
     InOrder {
         notice: said.map(|said| format!("{}: without time_s {said}", verification.name)),
         other,
     }
+}
+
+/// Whether rows can be those of a test of repeatability: all cycles of one position and side before the next, one
+/// reading in each. Several readings of a stop share what the machine returns to, and do not tell their order.
+fn may_be_blocks(readings: &[VerificationReading], axis: usize, lines: &[usize]) -> bool {
+    let cell = |row: usize| {
+        let own = &readings[row];
+        (lines[row], own.direction, own.positions[axis].to_bits())
+    };
+    let rows: Vec<usize> = (0..readings.len()).collect();
+    let blocks: Vec<&[usize]> = rows.chunk_by(|&a, &b| cell(a) == cell(b)).collect();
+    let rises = |block: &&[usize]| {
+        let mut cycles = block.windows(2);
+        block.len() > 1 && cycles.all(|two| readings[two[0]].cycle < readings[two[1]].cycle)
+    };
+    let firsts: HashSet<_> = blocks.iter().map(|block| cell(block[0])).collect();
+    firsts.len() == blocks.len() && blocks.iter().all(rises)
 }
 
 /// The rows in the order of the standard test cycle.

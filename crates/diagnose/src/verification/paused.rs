@@ -53,7 +53,7 @@ pub(crate) fn farthest_by_pauses(
     fit.estimates.iter().enumerate().map(farthest).collect()
 }
 
-/// A comparison with pauses of so many durations of a cycle after each of its cycles.
+/// A comparison with pauses of this many durations of a cycle after each of its cycles.
 fn paused<'a>(comparison: &Comparison<'a>, cycles: &[usize], length: f64) -> Comparison<'a> {
     let mut paused = comparison.clone();
     let last_s = |of: &Comparison<'_>| of.arrivals.iter().map(|a| a.elapsed_s).fold(0.0, f64::max);

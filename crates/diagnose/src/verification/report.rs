@@ -63,7 +63,8 @@ pub(crate) fn causes(
         }
         let is_lost_motion = candidate.hypothesis.effect.is_lost_motion()
             && candidate.hypothesis.subject.axis == problem.comparison.line();
-        if is_lost_motion {
+        let is_seen = columns[0].iter().any(|x| *x != 0.0) && variance > 0.0;
+        if is_lost_motion && is_seen {
             // The readings differ by all of it.
             let unit_um2 = 4.0 * variance * rms_of_readings_um(problem, &columns[0]).powi(2);
             let alone_um2 = unit_um2 * sized.fit.covariance[0];

@@ -36,10 +36,8 @@ fn stirred(seed: u64, correlation: f64, stops: usize) -> Verification {
 
 fn says_levels(table: Verification) -> (bool, Verdict) {
     let found = found(table);
-    let unexplained = found.unexplained.iter();
-    let says = unexplained
-        .map(|own| own.note.contains("two levels"))
-        .any(|says| says);
+    let mut unexplained = found.unexplained.iter();
+    let says = unexplained.any(|own| own.note.contains("two levels"));
     (says, found.verdict)
 }
 

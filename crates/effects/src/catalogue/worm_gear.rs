@@ -29,7 +29,7 @@ pub(crate) const MOST_OF_FEW: f64 = 16.0;
 /// Few waves per turn.
 pub(crate) const FEW_WAVES: Explanation = Explanation {
     cause: "so few waves per turn are harmonics of an encoder or a resolver, or the run-out of a worm or pinion of a low ratio",
-    action: "compare the number of waves with twice the pole pairs of the resolver, with the heads of the encoder and with the ratio of the gear; compensate with at least eight points per wave",
+    action: "compare the number of waves with the pole pairs of the resolver and twice these, with the heads of the encoder and with the ratio of the gear; compensate with at least eight points per wave",
     consequence: EFFECT.explanation.consequence,
     separate_by: "read the axis with another encoder, or at another place of the scale's disc: what the encoder makes stays with it",
 };
