@@ -46,6 +46,10 @@ const MOST_WORK: usize = 100_000;
 /// What is left of a problem that nothing else explains, if it jumps between two levels.
 pub(crate) fn levels(problem: &Problem<'_>) -> Option<Unexplained> {
     let comparison = problem.comparison;
+    // Errors of a prediction are alike at neighbouring positions, and not noise.
+    if problem.calibrated {
+        return None;
+    }
     let columns = base_columns(comparison, problem.calibrated);
     if columns.len() * comparison.arrivals.len() > MOST_WORK {
         return None;

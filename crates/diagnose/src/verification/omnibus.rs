@@ -4,7 +4,6 @@
 //! | --- | --- |
 //! | `time` | progress, and sines and cosines of 1 to 6 waves over the table |
 //! | `position` | cosines of ½ to 3 waves over the travel, for each line (ball bar: 2 to 7 waves per turn) |
-//! | `each position` | a value of each position, for each line, where the base model has none |
 //! | `reversal` | ball bar: what fades away within a degree or four after an axis turns round, for each end of each axis |
 //! | `position in time` | cosines of ½ to 3 waves over the travel (ball bar: as above) times progress |
 //! | `direction` | the direction, alone and times the columns of position |
@@ -20,7 +19,7 @@ use trueaxis_files::told_period;
 use trueaxis_selection::Projection;
 
 use crate::engine::{Family, MOST_OF_FREEDOM, Omnibus};
-use crate::verification::base::{count, cycles, indicators, lines, stands, times};
+use crate::verification::base::{count, cycles, indicators, lines, times};
 use crate::verification::comparison::Comparison;
 use crate::verification::problem::Problem;
 use crate::verification::whitening::Whitening;
@@ -29,11 +28,7 @@ use crate::verification::whitening::Whitening;
 const WAVES: u32 = 6;
 
 /// All families, whitened.
-pub(crate) fn families(
-    comparison: &Comparison<'_>,
-    calibrated: bool,
-    whitening: Whitening<'_>,
-) -> Vec<Family> {
+pub(crate) fn families(comparison: &Comparison<'_>, whitening: Whitening<'_>) -> Vec<Family> {
     let arrivals = &comparison.arrivals;
     let progress: Vec<f64> = arrivals.iter().map(|a| a.progress).collect();
     let mut time = vec![progress.clone()];
@@ -44,11 +39,6 @@ pub(crate) fn families(
             comparison.waves_of_position(WAVES, lines(comparison))
         }
         VerificationKind::Ballbar { .. } => position.clone(),
-    };
-    // A curve that changed at random has waves, too, but they leave most of it.
-    let of_each = match calibrated && comparison.line().is_some() {
-        true => indicators(&stands(comparison)),
-        false => Vec::new(),
     };
     // Not all positions warm up alike.
     let centred: Vec<f64> = progress.iter().map(|x| x - 0.5).collect();
@@ -77,7 +67,6 @@ pub(crate) fn families(
     vec![
         family("time", time),
         family("position", by_line),
-        family("each position", of_each),
         family("reversal", after_reversals(comparison)),
         family("position in time", in_time),
         family("direction", of_direction),

@@ -102,7 +102,7 @@ impl<'a> Problem<'a> {
             comparison,
             calibrated: calibration.is_some(),
             wanders: false,
-            families: families(comparison, calibration.is_some(), whitening).into(),
+            families: families(comparison, whitening).into(),
             level,
             whitening,
             hidden,

@@ -216,8 +216,7 @@ fn unexplained(
     let excess = excess.reduce(f64::max)?;
     let mut varies_with: Vec<&'static str> = Vec::new();
     // `direction in time` is both.
-    let parts = clear().flat_map(|t| t.test.varies_with.split(" in "));
-    for with in parts.map(|with| with.trim_start_matches("each ")) {
+    for with in clear().flat_map(|t| t.test.varies_with.split(" in ")) {
         if !varies_with.contains(&with) {
             varies_with.push(with);
         }
