@@ -149,14 +149,12 @@ fn assert_silent(of: u64, allowed: usize) {
     assert!(alarms.len() <= allowed, "seeds {alarms:?}");
 }
 
-/// A curve that changed at random at each position has waves, too, of which the best was named alone in 17 of 24 such lines of 21
-/// positions and 14 of 24 with 9. Changes of 12 standard deviations; one or none of 20 lines may have a clear wave.
+/// A curve that changed at random at each of 9 positions has waves, too, of which the best was named alone in 14 of 24 such lines. Changes
+/// of 12 standard deviations.
 #[test]
-fn a_curve_that_changed_at_each_position_has_no_clear_waves() {
+fn a_curve_that_changed_at_few_positions_has_no_clear_waves() {
     let is_clear = |seed: &u64| {
-        let few = seed.is_multiple_of(2);
-        let stands = stands().into_iter();
-        let stands = stands.filter(|stand| !few || stand.step < 9);
+        let stands = stands().into_iter().filter(|stand| stand.step < 9);
         let stands: Vec<Place> = stands.collect();
         let mut generator = generator(*seed, 106);
         let changes: Vec<f64> = (0..21).map(|_| normal(&mut generator)).collect();
@@ -172,8 +170,8 @@ fn a_curve_that_changed_at_each_position_has_no_clear_waves() {
         let mut causes = found.causes.iter();
         causes.any(|cause| cause.effect.effect.id == "cyclic_error" && cause.rivals.is_empty())
     };
-    let clear: Vec<u64> = (0..20).filter(is_clear).collect();
-    assert!(clear.len() <= 1, "{clear:?}");
+    let clear: Vec<u64> = (0..10).filter(is_clear).collect();
+    assert!(clear.is_empty(), "{clear:?}");
 }
 
 /// Two families at 1 %; more than one of four alarms comes with a probability of 2e-3 at 2 %. The seeds are
