@@ -184,7 +184,8 @@ fn largest(squares: &[f64]) -> f64 {
 /// `w²` and `2 ln` of the likelihood ratio `max_w -ν ln(1 - Σ z² x/(1 + x)/ν) - Σ ln(1 + x)`, `x = w² g`, for a prior
 /// `N(0, w² I)` of the parameters and the most likely variance of the noise (restricted maximum likelihood). The sum
 /// of squares before is `ν`, its degrees of freedom. `G`, the squares of its columns before the projection, and `s`
-/// are as in [`Gram`], which takes longer because it needs eigenvectors; here what is small against the largest column counts as unseen.
+/// are as in [`Gram`], which takes longer because it needs eigenvectors; here what is small against the largest column
+/// counts as unseen.
 pub fn restricted_likelihood(gram: &[f64], before: &[f64], s: &[f64], dof: f64) -> (f64, f64) {
     let (n, limit) = (before.len(), VISIBLE * largest(before));
     if limit <= 0.0 {

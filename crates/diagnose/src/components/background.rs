@@ -8,8 +8,8 @@
 //!
 //! The power of the first falls with the fourth power of the frequency: such a curve is continuous, with a continuous
 //! slope, as guideways and bearings are. That of the second falls with the second power, as where pitch errors of a screw
-//! or a scale, independent of each other, add up: with Matérn 3/2 alone such a curve has waves. Both are equally likely. d is the distance of two positions and ℓ twice the travel of a linear axis; for a
-//! rotary one d is the chord `2 sin(Δ/2)`, so that 0° and 360° are the same position, and ℓ = 2. This is an
+//! or a scale, independent of each other, add up: with Matérn 3/2 alone such a curve has waves. Both are equally likely.
+//! d is the distance of two positions and ℓ twice the travel of a linear axis; for a rotary one d is the chord `2 sin(Δ/2)`, so that 0° and 360° are the same position, and ℓ = 2. This is an
 //! assumption about machines, and (Matérn 3/2) it decides how large a slope or a single wave must be to stand out: the straight
 //! part of a curve is expected to have, at the ends of the travel, about five times the rms of the bent part, and one
 //! wave per turn 2.4 times the amplitude of two. A shorter ℓ expects less (three times with ℓ the travel) and names

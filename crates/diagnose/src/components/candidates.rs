@@ -146,7 +146,8 @@ pub(crate) fn shows_its_waves(set: &CurveSet, effect: &Effect, shape: f64) -> bo
 }
 
 /// Whether a period with its standard uncertainty fits often enough into the travel, and a number of times that is known:
-/// the longest waves take what is left of any bend. Waves that do not repeat stay in the model all the same, as in [`shows_its_waves`].
+/// the longest waves take what is left of any bend. Waves that do not repeat stay in the model all the same, as in
+/// [`shows_its_waves`].
 pub(crate) fn repeats(set: &CurveSet, effect: &Effect, [period, u]: [f64; 2]) -> bool {
     let periods = set.travel() / period;
     effect.shape != Shape::Period

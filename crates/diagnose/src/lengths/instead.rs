@@ -11,6 +11,8 @@
 //! With any targets, a reflector whose error differs from station to station instead of one that slips between two
 //! occupations: it is turned to the next station then, and stands in its nest otherwise, or is seen at another angle.
 
+use std::collections::HashMap;
+
 use trueaxis_effects::{Shape, Subject, effect};
 use trueaxis_selection::{DECISIVE, Fit, Hypothesis};
 
@@ -115,15 +117,13 @@ fn between_occupations(base: &Base<'_>, target: usize) -> Vec<f64> {
     let own = base.readings.iter().filter(|r| r.target == target);
     let mut own: Vec<(f64, usize)> = own.map(|r| (r.time_s, r.station)).collect();
     own.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let parts = |k: &usize| {
-        let (before, after) = own.split_at(*k);
-        own[k - 1].0 < own[*k].0
-            && before
-                .iter()
-                .all(|(_, s)| after.iter().all(|(_, t)| s != t))
-    };
-    let ends = (1..own.len()).filter(|k| own[k - 1].1 != own[*k].1);
-    let instants = ends.filter(parts);
+    let last: HashMap<usize, usize> = own.iter().enumerate().map(|(k, r)| (r.1, k)).collect();
+    // The last reading of all stations that have seen it so far.
+    let mut reach = 0;
+    let instants = (1..own.len()).filter(|&k| {
+        reach = reach.max(last[&own[k - 1].1]);
+        reach < k && own[k - 1].0 < own[k].0
+    });
     instants.map(|k| 0.5 * (own[k - 1].0 + own[k].0)).collect()
 }
 

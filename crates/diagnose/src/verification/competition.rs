@@ -12,6 +12,7 @@ use crate::verification::believed::{with_gain, without_imitations};
 use crate::verification::described::described;
 use crate::verification::held_out::{gain, held_out};
 use crate::verification::instead::simple_instead;
+use crate::verification::lost_motion::is_of_line;
 use crate::verification::model::{
     Model, has, have_same, is_coupling, is_left, of_causes, only, two_ln_b,
 };
@@ -113,10 +114,8 @@ fn suspected(plain: &Problem<'_>, of_causes: &[Chosen]) -> Vec<Vec<Chosen>> {
 /// Lost motion of the measured axis in its forms of one and two parameters.
 fn lost_motion(plain: &Problem<'_>) -> Vec<Chosen> {
     let candidates = plain.listed.candidates.iter().enumerate();
-    let forms = candidates.filter(|(_, own)| {
-        let is_of_axis = own.hypothesis.subject.axis == plain.comparison.line();
-        is_of_axis && own.hypothesis.effect.is_lost_motion() && !own.is_free
-    });
+    let forms =
+        candidates.filter(|(_, own)| is_of_line(plain.comparison, &own.hypothesis) && !own.is_free);
     let chosen = forms.filter_map(|(candidate, own)| {
         Some(Chosen {
             candidate,

@@ -9,6 +9,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use trueaxis_effects::Level;
+use trueaxis_leastsquares::dot;
 use trueaxis_selection::Projection;
 
 use crate::Unexplained;
@@ -50,7 +51,7 @@ pub(crate) fn levels(problem: &Problem<'_>) -> Option<Unexplained> {
     if problem.calibrated {
         return None;
     }
-    let columns = base_columns(comparison, problem.calibrated);
+    let columns = base_columns(comparison, false);
     if columns.len() * comparison.arrivals.len() > MOST_WORK {
         return None;
     }
@@ -123,7 +124,7 @@ impl TwoLevels {
         if squares <= 0.0 {
             return None;
         }
-        let correlation = dot(&left[1..], left) / squares;
+        let correlation = dot(&left[1..], &left[..left.len() - 1]) / squares;
         let of_noise = n * (squares / n).ln() + (n - 1.0) * (1.0 - correlation.powi(2)).ln();
         let mut level: Vec<f64> = left.iter().map(|x| 0.9 * x.signum()).collect();
         let mut of_jump = FIRST_JUMPS;
@@ -203,8 +204,4 @@ fn smoothed(
         backward = moved(from_here);
     }
     (ln_likelihood, levels, jumps)
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

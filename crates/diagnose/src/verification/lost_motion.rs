@@ -40,6 +40,11 @@ pub(crate) fn numbers_of_waves(comparison: &Comparison<'_>) -> Vec<usize> {
     (1..=smooth).chain(rough.filter(|k| *k > smooth)).collect()
 }
 
+/// Whether a hypothesis is lost motion of the axis of a line.
+pub(crate) fn is_of_line(comparison: &Comparison<'_>, hypothesis: &Hypothesis) -> bool {
+    hypothesis.effect.is_lost_motion() && hypothesis.subject.axis == comparison.line()
+}
+
 /// An arrival at each position that was reached from both sides, in the order of the positions.
 pub(crate) fn reached_from_both_sides(comparison: &Comparison<'_>) -> Vec<usize> {
     let numbers = places(comparison);

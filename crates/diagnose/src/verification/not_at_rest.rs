@@ -11,6 +11,7 @@ use trueaxis_selection::{Fit, Hypothesis, Projection, ln_f_test};
 use crate::Rival;
 use crate::verification::arrivals::Arrival;
 use crate::verification::comparison::Comparison;
+use crate::verification::lost_motion;
 use crate::verification::wanderer::MACHINE;
 
 /// Fewest stops with several readings.
@@ -68,8 +69,8 @@ pub(crate) fn instead(
     hypothesis: &Hypothesis,
     (rms_um, two_ln_b): (f64, f64),
 ) -> Option<Rival> {
-    let is_it = hypothesis.effect.is_lost_motion() && hypothesis.subject.axis == comparison.line();
-    let running = comparison.running.filter(|_| is_it)?;
+    let is_it = |_: &Running| lost_motion::is_of_line(comparison, hypothesis);
+    let running = comparison.running.filter(is_it)?;
     let rival = || Rival::of(Level::Verification, MACHINE, two_ln_b);
     running.may_be_all_of(rms_um).then(rival)
 }

@@ -65,46 +65,25 @@ pub(crate) fn put_in_order(verification: &mut Verification) -> InOrder {
     }
     let mut order = orders.into_iter().max().unwrap_or(Order::Measured);
     let mut other = None;
-    if order == Order::Printed && may_be_blocks(readings, axis, &lines) {
-        let sorted = in_standard_order(readings, axis, &lines);
-        let told = told_by_readings(readings, axis, &lines, &sorted);
-        order = match told {
-            Tells::Listed => Order::Blocks,
-            Tells::Other => Order::Printed,
-            Tells::Neither => Order::Open,
-        };
-        if told == Tells::Neither {
-            let sorted = sorted.iter().map(|&row| readings[row].clone()).collect();
-            other = Some(std::mem::replace(&mut verification.readings, sorted));
-        }
-    }
     if order == Order::Printed {
-        let sorted = in_standard_order(&verification.readings, axis, &lines);
-        let sorted = sorted.iter().map(|&row| verification.readings[row].clone());
-        verification.readings = sorted.collect();
+        let sorted = in_standard_order(readings, axis, &lines);
+        let told = told_by_readings(readings, &cells(readings, axis, &lines), &sorted);
+        order = match told {
+            Some(Tells::Listed) => Order::Blocks,
+            Some(Tells::Neither) => Order::Open,
+            Some(Tells::Other) | None => Order::Printed,
+        };
+        if order != Order::Blocks {
+            let sorted = sorted.iter().map(|&row| readings[row].clone()).collect();
+            let listed = std::mem::replace(&mut verification.readings, sorted);
+            other = (order == Order::Open).then_some(listed);
+        }
     }
     let said = order.in_words();
     InOrder {
         notice: said.map(|said| format!("{}: without time_s {said}", verification.name)),
         other,
     }
-}
-
-/// Whether rows can be those of a test of repeatability: all cycles of one position and side before the next, one
-/// reading in each. Several readings of a stop share what the machine returns to, and do not tell their order.
-fn may_be_blocks(readings: &[VerificationReading], axis: usize, lines: &[usize]) -> bool {
-    let cell = |row: usize| {
-        let own = &readings[row];
-        (lines[row], own.direction, own.positions[axis].to_bits())
-    };
-    let rows: Vec<usize> = (0..readings.len()).collect();
-    let blocks: Vec<&[usize]> = rows.chunk_by(|&a, &b| cell(a) == cell(b)).collect();
-    let rises = |block: &&[usize]| {
-        let mut cycles = block.windows(2);
-        block.len() > 1 && cycles.all(|two| readings[two[0]].cycle < readings[two[1]].cycle)
-    };
-    let firsts: HashSet<_> = blocks.iter().map(|block| cell(block[0])).collect();
-    firsts.len() == blocks.len() && blocks.iter().all(rises)
 }
 
 /// The rows in the order of the standard test cycle.
@@ -125,23 +104,35 @@ fn in_standard_order(readings: &[VerificationReading], axis: usize, lines: &[usi
     rows
 }
 
-/// Whether the readings were taken as they are listed, or in the standard order.
-fn told_by_readings(
-    readings: &[VerificationReading],
-    axis: usize,
-    lines: &[usize],
-    sorted: &[usize],
-) -> Tells {
+/// For each row the number of its position and side, in the order in which they first come.
+fn cells(readings: &[VerificationReading], axis: usize, lines: &[usize]) -> Vec<usize> {
     let mut known = HashMap::new();
     let cell = |(reading, &line): (&VerificationReading, &usize)| {
         let key = (line, reading.direction, reading.positions[axis].to_bits());
         let next = known.len();
         *known.entry(key).or_insert(next)
     };
-    let cells: Vec<usize> = readings.iter().zip(lines).map(cell).collect();
-    let values_um: Vec<f64> = readings.iter().map(|r| r.value_um).collect();
+    readings.iter().zip(lines).map(cell).collect()
+}
+
+/// Whether the readings were taken as they are listed, or in the standard order; `None` where the rows cannot be those
+/// of a test of repeatability: all cycles of one position and side before the next, one reading in each. Several
+/// readings of a stop share what the machine returns to, and do not tell their order.
+fn told_by_readings(
+    readings: &[VerificationReading],
+    cells: &[usize],
+    sorted: &[usize],
+) -> Option<Tells> {
     let cycles: Vec<u32> = readings.iter().map(|r| r.cycle).collect();
-    tells(&values_um, &cells, &cycles, sorted)
+    let rows: Vec<usize> = (0..readings.len()).collect();
+    let mut blocks = rows.chunk_by(|&a, &b| cells[a] == cells[b]).enumerate();
+    // No cell comes again if their numbers are those of the blocks.
+    let are_blocks = blocks.all(|(number, block)| {
+        let of_block = block.iter().map(|&row| cycles[row]);
+        cells[block[0]] == number && block.len() > 1 && of_block.is_sorted_by(|a, b| a < b)
+    });
+    let values_um: Vec<f64> = readings.iter().map(|r| r.value_um).collect();
+    are_blocks.then(|| tells(&values_um, cells, &cycles, sorted))
 }
 
 /// The order of the rows of each line.

@@ -11,7 +11,7 @@ use trueaxis_effects::Level;
 use crate::engine::disturbance::{Wanderer, Who, With};
 use crate::said::Entry;
 use crate::verification::comparison::Comparison;
-use crate::verification::wanderer::{INSTRUMENT, confounded};
+use crate::verification::wanderer::with_time;
 use crate::{Cause, Rival};
 
 /// Sizes that differ by no more standard uncertainties are one.
@@ -97,8 +97,7 @@ fn is_in_both(cause: &mut Cause, other: &Cause) -> bool {
 /// other way round.
 fn of_order(cause: &Cause, comparison: &Comparison<'_>) -> Vec<Wanderer> {
     if cause.effect.effect.is_lost_motion() {
-        let both = [Some(INSTRUMENT), confounded(comparison, INSTRUMENT)];
-        return both.into_iter().flatten().collect();
+        return with_time(comparison).collect();
     }
     vec![Wanderer::new(Who::Axis(comparison.axis()), With::Sides)]
 }

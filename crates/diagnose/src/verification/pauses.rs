@@ -16,9 +16,10 @@ use crate::engine::disturbance::{Wanderer, Who, With};
 use crate::engine::linear::{Chosen, Listed, without};
 use crate::verification::arrivals::groups_in_order;
 use crate::verification::base::{count, cycles, indicators};
+use crate::verification::lost_motion;
 use crate::verification::paused::farthest_by_pauses;
 use crate::verification::problem::Problem;
-use crate::verification::wanderer::{INSTRUMENT, confounded, is_of_cycle};
+use crate::verification::wanderer::{is_of_cycle, with_time};
 
 /// Consequences of unknown pauses for lost motion beside a cause in time, and for this.
 pub(crate) struct ByPauses {
@@ -47,7 +48,7 @@ pub(crate) fn by_pauses(
     if !comparison.timed && goes_with_progress(own) {
         return in_pauses(problem, causes, (k, fit), variance);
     }
-    let is_lost_motion = own.effect.is_lost_motion() && own.subject.axis == comparison.line();
+    let is_lost_motion = lost_motion::is_of_line(comparison, own);
     let is_of_time = |cause: &Chosen| listed.hypothesis(cause).is_of_time();
     let wanders = wandering
         .iter()
@@ -87,9 +88,8 @@ pub(crate) fn by_pauses(
     let vanishing = [0, 1].map(|i| !is_free && (i >= straight || vanishes(i)));
     let rivals = match vanishing {
         [true, true] => {
-            let names = [Some(INSTRUMENT), confounded(comparison, INSTRUMENT)];
             let rival = |name| Rival::of(Level::Verification, name, two_ln_b);
-            names.into_iter().flatten().map(rival).collect()
+            with_time(comparison).map(rival).collect()
         }
         [false, true] if own.effect == POSITION_DEPENDENT_BACKLASH => {
             Vec::from_iter(constant(&paused, &without_time, number))

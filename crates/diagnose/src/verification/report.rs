@@ -10,7 +10,7 @@ use crate::verification::arrivals::Arrival;
 use crate::verification::between_passes::variance_um2;
 use crate::verification::held_out::gain_of;
 use crate::verification::laser_scale;
-use crate::verification::lost_motion::{curve, shown_along};
+use crate::verification::lost_motion::{curve, is_of_line, shown_along};
 use crate::verification::not_at_rest;
 use crate::verification::pauses::by_pauses;
 use crate::verification::problem::Problem;
@@ -61,8 +61,7 @@ pub(crate) fn causes(
         if let Some(by_pauses) = &by_pauses {
             by_pauses.add_to(&mut sized.fit.covariance, variance);
         }
-        let is_lost_motion = candidate.hypothesis.effect.is_lost_motion()
-            && candidate.hypothesis.subject.axis == problem.comparison.line();
+        let is_lost_motion = is_of_line(problem.comparison, &candidate.hypothesis);
         let is_seen = columns[0].iter().any(|x| *x != 0.0) && variance > 0.0;
         if is_lost_motion && is_seen {
             // The readings differ by all of it.

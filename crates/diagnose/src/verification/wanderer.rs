@@ -92,6 +92,11 @@ pub(crate) fn confounded(comparison: &Comparison<'_>, wanderer: Wanderer) -> Opt
         .then_some(confounded)
 }
 
+/// What wanders with time in the readings, under all its names.
+pub(crate) fn with_time(comparison: &Comparison<'_>) -> impl Iterator<Item = Wanderer> + use<> {
+    std::iter::once(INSTRUMENT).chain(confounded(comparison, INSTRUMENT))
+}
+
 /// Whether a cause names the course of a wanderer.
 pub(crate) fn is_course_of(wanderer: Wanderer, cause: &Hypothesis) -> bool {
     match (wanderer.who, wanderer.with) {

@@ -23,7 +23,7 @@ const STEPS: [f64; 12] = [
     0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0, 10.0, 100.0,
 ];
 
-/// Deviations beyond so many standard deviations count as so many: a wrong reading tells nothing about the order.
+/// Larger deviations, in standard deviations, count as this: a wrong reading tells nothing about the order.
 const MOST_DEVIATIONS: f64 = 4.0;
 
 /// Standard deviation of normal deviations in units of their median amount.

@@ -1,8 +1,8 @@
 //! The worm of a rotary axis: n waves per turn of the angle about the axis, `s sin nq + c cos nq`.
 //!
 //! n (`waves`) is the number of revolutions of the worm in one turn of the axis, or a multiple of it; one and
-//! two waves per turn belong to the encoder's disc. Few waves may be harmonics of an encoder or resolver, too. s and c are `sine` and `cosine` in arcsec, positive about
-//! the axis.
+//! two waves per turn belong to the encoder's disc. Few waves may be harmonics of an encoder or resolver, too. s and c are
+//! `sine` and `cosine` in arcsec, positive about the axis.
 
 use crate::{Effect, Explanation, Form, Layer, Level, Parameter, Shape, Subject};
 
@@ -28,7 +28,7 @@ pub(crate) const MOST_OF_FEW: f64 = 16.0;
 
 /// Few waves per turn.
 pub(crate) const FEW_WAVES: Explanation = Explanation {
-    cause: "so few waves per turn are harmonics of an encoder or a resolver, or the run-out of a worm or pinion of a low ratio",
+    cause: "waves as few as these are harmonics of an encoder or a resolver, or the run-out of a worm or pinion of a low ratio",
     action: "compare the number of waves with the pole pairs of the resolver and twice these, with the heads of the encoder and with the ratio of the gear; compensate with at least eight points per wave",
     consequence: EFFECT.explanation.consequence,
     separate_by: "read the axis with another encoder, or at another place of the scale's disc: what the encoder makes stays with it",
