@@ -30,7 +30,7 @@ pub enum Error {
     },
     /// Shared unknowns are free beyond the motions that the datum fixes.
     #[error(
-        "{defect} combination(s) of the shared unknowns are not determined (eigenvalue \
+        "shared unknowns are not determined (free combinations: {defect}; eigenvalue \
          {eigenvalue:.1e} relative, limit {limit:.1e})"
     )]
     SharedRank {

@@ -18,7 +18,9 @@ pub enum Error {
         station: usize,
     },
     /// A point is seen from too few stations.
-    #[error("point {point} of group {group} is seen from {seen} station(s), needs at least {need}")]
+    #[error(
+        "point {point} of group {group} is seen from fewer stations than needed: {seen} of at least {need}"
+    )]
     PointSeenTooRarely {
         /// Group of the point.
         group: usize,
@@ -45,7 +47,9 @@ pub enum Error {
         limit: f64,
     },
     /// The points of a group do not show how its body is turned.
-    #[error("group {group} has {points} point(s); a rigid body needs three that are not in line")]
+    #[error(
+        "group {group}: number of points {points}; a rigid body needs three that are not in line"
+    )]
     NotRigid {
         /// The group.
         group: usize,
@@ -114,7 +118,7 @@ pub enum Error {
     },
     /// The lengths do not determine the stations.
     #[error(
-        "{defect} combination(s) of the stations are not determined by the lengths (relative \
+        "the lengths leave the stations free (free combinations: {defect}; relative \
          eigenvalue {eigenvalue:.1e}, limit {limit:.1e})"
     )]
     StationsNotDetermined {

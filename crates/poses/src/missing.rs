@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use trueaxis_campaign::Campaign;
+use trueaxis_files::counted;
 use trueaxis_multilateration::{MIN_STATIONS, are_in_line};
 
 use crate::words::target_names;
@@ -17,8 +18,8 @@ pub fn missing(campaign: &Campaign) -> Vec<String> {
         let stations: BTreeSet<usize> = lengths.stops.iter().map(|stop| stop.station).collect();
         if stations.len() < MIN_STATIONS {
             missing.push(format!(
-                "lengths from {} station(s): a calibration needs {MIN_STATIONS}, spread in all directions",
-                stations.len()
+                "lengths from {}: a calibration needs {MIN_STATIONS}, spread in all directions",
+                counted(stations.len(), "station")
             ));
         }
     }

@@ -33,10 +33,7 @@ pub enum Error {
         limit: f64,
     },
     /// Readings of points contradict each other, and nothing shows which are wrong.
-    #[error(
-        "{} pair(s) of readings contradict each other, and nothing tells which is wrong: {pairs:?}",
-        pairs.len()
-    )]
+    #[error("readings contradict each other in pairs, and nothing tells which is wrong: {pairs:?}")]
     Undecidable {
         /// For each point one reading, and another that may equally be wrong.
         pairs: Vec<(usize, usize)>,

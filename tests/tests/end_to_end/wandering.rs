@@ -227,7 +227,7 @@ fn one_wrong_length_is_left_out_and_names_nothing() {
             let is_told = diagnosis
                 .notices
                 .iter()
-                .any(|text| text.ends_with(&format!("line(s) {line}")));
+                .any(|text| text.ends_with(&format!("1 length, line {line}")));
             let right = diagnosis.verdict == Verdict::Clean && is_told == (by_mm != 0.0);
             let verdict = diagnosis.verdict.name();
             (!right).then(|| {

@@ -2,6 +2,7 @@
 //! the measured poses.
 
 use nalgebra::{Matrix6, MatrixXx6, Point3, Vector3, Vector6};
+use trueaxis_files::counted;
 use trueaxis_kinematics::{AxisKind, LocationComponent, MotionError};
 use trueaxis_poses::turned_about;
 
@@ -225,9 +226,9 @@ fn defect(context: &Context<'_>, k: usize, defect: &GaugeDefect) -> Error {
     let (what, hint) = match defect {
         GaugeDefect::Positions { singular_value } => (
             format!(
-                "axis {name}: {} position(s) do not tell its location errors from its component \
+                "axis {name}: measured at {}, which does not tell its location errors from its component \
                  errors (relative singular value {singular_value:.1e})",
-                axis.nodes.len()
+                counted(axis.nodes.len(), "position")
             ),
             "measure it at more positions, over more of its travel",
         ),

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use crate::reading::readings_of;
 use crate::{Campaign, Error, LengthReading, Lengths, Place, Problem};
+use trueaxis_files::counted;
 
 /// Refuses a known dead path that makes most distances of its station negative; returns notices about others.
 pub(crate) fn check(
@@ -45,8 +46,10 @@ pub(crate) fn check(
             return Err(Problem::value(found, expected).at(place));
         }
         notices.push(format!(
-            "{name} line {}, target `{}`: {found} ({negative} such length(s) of the station)",
-            first.line, campaign.targets[first.target].name,
+            "{name} line {}, target `{}`: {found} ({} of the station)",
+            first.line,
+            campaign.targets[first.target].name,
+            counted(negative, "such length"),
         ));
     }
     Ok(notices)

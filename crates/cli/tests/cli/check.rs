@@ -134,7 +134,7 @@ fn says_what_a_calibration_lacks() {
     let outcome = run(folder.path(), &["check", "campaign.json"]);
     outcome.assert_good();
     for says in [
-        "lengths from 3 station(s): a calibration needs 4",
+        "lengths from 3 stations: a calibration needs 4",
         "run y: targets P, Q are fewer than three or on one line",
         "axis X: measured at 2 positions",
         "can be read; see the 4 notices above",

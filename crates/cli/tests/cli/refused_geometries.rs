@@ -88,19 +88,19 @@ fn too_few_targets_and_steps() {
                 "one step in a run",
                 |files| files.keep(|row| row.text("run") != "x" || row.is(&[("X", "200")])),
                 NOT_IDENTIFIABLE,
-                "axis X … 1 position(s) … measure it at more positions",
+                "axis X … 1 position, … measure it at more positions",
             ),
             (
                 "one step in a run, at home",
                 |files| files.keep(|row| row.text("run") != "x" || row.is(&[("X", "0")])),
                 NOT_IDENTIFIABLE,
-                "axis X … 1 position(s) … measure it at more positions",
+                "axis X … 1 position, … measure it at more positions",
             ),
             (
                 "one linear axis at one position",
                 |files| files.keep(|row| row.is(&[("run", "x"), ("X", "200")])),
                 NOT_IDENTIFIABLE,
-                "combination(s) of the stations free … dead path of S1",
+                "of the stations free … dead path of S1",
             ),
             (
                 "one linear axis at two positions",
@@ -110,7 +110,7 @@ fn too_few_targets_and_steps() {
                     });
                 },
                 NOT_IDENTIFIABLE,
-                "combination(s) of the stations free … dead path of S1",
+                "of the stations free … dead path of S1",
             ),
         ],
     );
@@ -127,13 +127,13 @@ fn too_few_targets_and_steps() {
                 "one angle",
                 |files| files.keep(|row| row.is(&[("C", "0")])),
                 NOT_IDENTIFIABLE,
-                "combination(s) of the stations free",
+                "of the stations free",
             ),
             (
                 "two angles",
                 |files| files.keep(|row| ["0", "180"].contains(&row.text("C"))),
                 NOT_IDENTIFIABLE,
-                "combination(s) of the stations free",
+                "of the stations free",
             ),
         ],
     );
@@ -257,7 +257,7 @@ fn too_little_for_free_points() {
                     });
                 },
                 NOT_IDENTIFIABLE,
-                "combination(s) of the stations free … spread the stations",
+                "of the stations free … spread the stations",
             ),
             (
                 "point seen from two stations",
@@ -269,7 +269,7 @@ fn too_little_for_free_points() {
                     });
                 },
                 NOT_IDENTIFIABLE,
-                "target Q in run c at C = 200° … from 2 station(s), at least 3 … measure \
+                "target Q in run c at C = 200° … from 2 stations, at least 3 … measure \
                  it from the missing stations",
             ),
         ],

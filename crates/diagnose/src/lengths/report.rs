@@ -2,6 +2,7 @@
 
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::Level;
+use trueaxis_files::counted;
 use trueaxis_poses::{LengthsAdjustment, uneven_in_words};
 
 use crate::Error;
@@ -110,8 +111,8 @@ fn notices(base: &Base<'_>) -> Vec<String> {
     if !base.left_out.is_empty() {
         let lines: Vec<String> = base.left_out.iter().map(|l| l.line.to_string()).collect();
         notices.push(format!(
-            "{} length(s) contradict all others and were left out: line(s) {}",
-            lines.len(),
+            "left out because all others contradict them: {}, line {}",
+            counted(lines.len(), "length"),
             lines.join(", ")
         ));
     }

@@ -20,6 +20,7 @@ use crate::points::omnibus::{families, omnibus};
 use crate::points::places::places;
 use crate::points::screened::{Screened, without};
 use crate::said::Said;
+use trueaxis_files::counted;
 
 /// Fewest degrees of freedom for a judgement.
 const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
@@ -147,8 +148,8 @@ fn notices(screened: &Screened<'_>) -> Vec<String> {
         let points = gross.iter().flat_map(Gross::rejected);
         let lines: Vec<String> = points.map(|point| point.row.to_string()).collect();
         notices.push(format!(
-            "points.csv: {} point(s) contradict all others and were left out: line(s) {}",
-            lines.len(),
+            "points.csv: left out because all others contradict them: {}, line {}",
+            counted(lines.len(), "point"),
             lines.join(", ")
         ));
     }

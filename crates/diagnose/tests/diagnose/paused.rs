@@ -10,7 +10,7 @@ use trueaxis_effects::Layer;
 
 use crate::counts::summary;
 use crate::iso_run::{Place, STOP_S, STOPS, there_and_back};
-use crate::{found, generator};
+use crate::{found, generator, report};
 
 const CYCLES: u32 = 5;
 
@@ -152,13 +152,10 @@ fn a_machine_that_warms_up_before_a_long_pause_is_told() {
     }
 }
 
-/// A machine that warms up by 12 µm goes on in pauses of which a table without a clock says nothing: what is stated contains that. With
-/// pauses of one to four fifths of a cycle 18 of 40 were outside two u, now 5 (with a probability of 95 % each, seven or more of 40 are
-/// outside once in 300).
-#[test]
-fn what_warms_up_in_pauses_is_within_its_uncertainty() {
-    let (mut named, mut outside) = (0, Vec::new());
-    for seed in 0..40 {
+/// How many of tables of a machine that warms up by 12 µm name it, and which state another size than that within two u.
+fn warmed_up_in_pauses(seeds: std::ops::Range<u64>) -> (usize, usize) {
+    let (mut named, mut outside) = (0, 0);
+    for seed in seeds {
         let mut generator = generator(seed, 102);
         let mut uniform = |from: f64, to: f64| generator.random_range(from..to);
         let pause_s = 2.0 * STOP_S * STOPS as f64 * uniform(0.2, 0.8);
@@ -172,12 +169,28 @@ fn what_warms_up_in_pauses_is_within_its_uncertainty() {
         let warms_up = causes.find(|cause| cause.effect.effect.id == "warm_up");
         let size = warms_up.map(|cause| &cause.parameters[0]);
         named += usize::from(size.is_some());
-        if size.is_some_and(|size| (size.value - 12.0).abs() > 2.0 * size.u) {
-            outside.push((seed, size.map(|size| (size.value, size.u))));
-        }
+        let is_outside = size.is_some_and(|size| (size.value - 12.0).abs() > 2.0 * size.u);
+        outside += usize::from(is_outside);
     }
-    assert!(named >= 30, "{named}");
-    assert!(outside.len() <= 6, "{outside:?}");
+    (named, outside)
+}
+
+/// A machine that warms up goes on in pauses of which a table without a clock says nothing: what is stated contains that. With
+/// pauses of one to four fifths of a cycle 18 of 40 were outside two u; with a probability of 95 % each, four or more of 16
+/// are outside once in 140.
+#[test]
+fn what_warms_up_in_pauses_is_within_its_uncertainty() {
+    let (named, outside) = warmed_up_in_pauses(0..16);
+    assert!(named >= 12, "{named}");
+    assert!(outside <= 3, "{outside}");
+}
+
+#[test]
+#[ignore = "study: 40 diagnoses"]
+fn most_that_warm_up_in_pauses_are_within_their_uncertainty() {
+    let (named, outside) = warmed_up_in_pauses(0..40);
+    report(&format!("{named} of 40 named, {outside} outside two u"));
+    assert!(named >= 30 && outside <= 6, "{named}, {outside}");
 }
 
 /// A zero that drifts by 20 µm while 2 µm are lost, without a clock: the passes may have pauses between them or not, and offsets for all

@@ -1,6 +1,7 @@
 //! What is wrong with the lengths, in the words of the campaign.
 
 use trueaxis_campaign::{Campaign, Lengths, Stop};
+use trueaxis_files::counted;
 use trueaxis_multilateration::{Error as Failure, StationUnknown};
 use trueaxis_screening::{Error as Rejection, Part};
 
@@ -83,8 +84,9 @@ pub(crate) fn adjustment_error(
             need,
         } => Error::not_identifiable(
             format!(
-                "{} was measured from {seen} station(s), at least {need} are needed",
-                target(group, point)
+                "{} was measured from {}, at least {need} are needed",
+                target(group, point),
+                counted(seen, "station")
             ),
             "measure it from the missing stations, or leave out the rows of this step",
         ),
@@ -121,7 +123,8 @@ pub(crate) fn adjustment_error(
         ),
         Failure::StationsNotDetermined { defect, free, .. } => Error::not_identifiable(
             format!(
-                "the lengths leave {defect} combination(s) of the stations free: {}",
+                "the lengths leave {} of the stations free: {}",
+                counted(defect, "combination"),
                 unknowns_in_words(campaign, &free)
             ),
             "spread the stations in all directions around the machine, and let the targets move in all \

@@ -5,6 +5,7 @@
 
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix6xX, Point3};
 use trueaxis_campaign::Campaign;
+use trueaxis_files::counted;
 use trueaxis_identify::{
     BodyNoise, BodyPoses, BodyStep, Equations, Error as Identify, StepError, StepPose,
     poses_of_body,
@@ -125,10 +126,10 @@ fn targets_of_runs(campaign: &Campaign, points: &MeasuredPoints) -> Result<Vec<V
         if common.len() < MIN_TARGETS {
             return Err(Error::not_identifiable(
                 format!(
-                    "run {}: only {} target(s) were measured at all of its steps, three are needed \
+                    "run {}: only {} at all of its steps, where three are needed \
                      (one is missing in {})",
                     campaign.runs[run].name,
-                    common.len(),
+                    counted(common.len(), "target"),
                     step_in_words(campaign, group.step),
                 ),
                 "measure the missing targets, or leave out the rows of the steps that lack them",
