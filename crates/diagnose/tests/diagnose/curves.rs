@@ -202,10 +202,8 @@ fn smooth_curves_have_no_names() {
     assert!(names.is_empty(), "{names:#?}");
 }
 
-/// Pitch errors that are independent of each other add up to a walk, which no smooth process of the second order follows: by that alone
-/// waves were seen in 11 of 40 such lines, now in 1. Three or fewer pass.
-#[test]
-fn pitch_errors_that_add_up_are_no_waves() {
+/// In how many lines whose pitch errors are independent of each other, and add up to a walk, waves are seen.
+fn waves_of_pitch_errors(seeds: std::ops::Range<u64>) -> usize {
     let has_waves = |seed: &u64| {
         let mut generator = generator(3000 + seed);
         let mut normal = || -> f64 { StandardNormal.sample(&mut generator) };
@@ -221,8 +219,23 @@ fn pitch_errors_that_add_up_are_no_waves() {
             .iter()
             .any(|cause| cause.effect.effect.id == "cyclic_error")
     };
-    let with_waves: Vec<u64> = (0..40).filter(has_waves).collect();
-    assert!(with_waves.len() <= 3, "{with_waves:?}");
+    seeds.filter(has_waves).count()
+}
+
+/// No smooth process of the second order follows such a walk: by that alone waves were seen in 11 of 40 such lines, now in 1. At
+/// that rate two of twelve have waves once in 28.
+#[test]
+fn pitch_errors_that_add_up_are_no_waves() {
+    let count = waves_of_pitch_errors(0..12);
+    assert!(count <= 1, "{count} of 12");
+}
+
+#[test]
+#[ignore = "study: 40 diagnoses"]
+fn pitch_errors_that_add_up_are_seldom_waves() {
+    let count = waves_of_pitch_errors(0..40);
+    report(&format!("waves in {count} of 40"));
+    assert!(count <= 3, "{count} of 40");
 }
 
 /// Every axis of the campaign has equal steps, so each hides the periods that divide its step.

@@ -7,11 +7,11 @@ use crate::generator;
 use crate::iso_run::there_and_back;
 
 /// Each pass has an offset of 0.7 times the noise of a reading: 6 µm of lost motion were outside two u in 10 of 40 such tables. Of normal
-/// values 5 % are; seven or more of 40 are once in 300.
+/// values 5 % are; four or more of 20 are once in 60.
 #[test]
 fn lost_motion_contains_what_passes_differ_by() {
     let (mut named, mut outside) = (0, Vec::new());
-    for seed in 0..40 {
+    for seed in 0..20 {
         let mut generator = generator(seed, 107);
         let mut normal = || -> f64 { StandardNormal.sample(&mut generator) };
         let offsets: [[f64; 2]; 5] = std::array::from_fn(|_| [0.7 * normal(), 0.7 * normal()]);
@@ -28,6 +28,6 @@ fn lost_motion_contains_what_passes_differ_by() {
             outside.push((seed, size.value, size.u));
         }
     }
-    assert!(named >= 30, "{named}");
-    assert!(outside.len() <= 6, "{outside:?}");
+    assert!(named >= 15, "{named}");
+    assert!(outside.len() <= 3, "{outside:?}");
 }
