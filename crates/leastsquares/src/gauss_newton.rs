@@ -168,9 +168,12 @@ const COST_ROUNDING: f64 = 1e-10;
 /// Corrections of which each is more than this part of the one before say nothing of those that follow.
 const MOST_RATE: f64 = 0.1;
 
-/// A correction that is more than this part of the one before comes from rounding, where the cost resolves neither: exact
-/// lengths leave a standard uncertainty of which rounded distances show no millionth.
+/// A correction that is more than this part of the one before comes from rounding, where both are short: exact lengths
+/// leave a standard uncertainty of which rounded distances show no millionth.
 const STANDING: f64 = 0.3;
+
+/// Corrections are short up to this length, in units of standard uncertainty.
+const SHORT: f64 = 1e-4;
 
 /// Adjusts the unknowns of `model` from `start`.
 ///
@@ -202,13 +205,11 @@ pub fn adjust<M: Adjustment>(model: &M, start: &M::State) -> Result<Adjusted<M::
         let mut squares = system.squares;
         iterations += 1;
 
-        // What is left to gain is less than the cost resolves.
-        let rounding = (COST_ROUNDING * squares).sqrt();
-        let stands = previous <= rounding && correction > STANDING * previous;
+        let stands = previous <= SHORT && correction > STANDING * previous;
         previous = correction;
         let from = (&state, &mut linearised);
-        let (left, tolerance) = match stands && correction <= rounding {
-            true => (correction, rounding),
+        let (left, tolerance) = match stands {
+            true => (correction, SHORT),
             false => (rate * correction, CORRECTION_TOL),
         };
         let termination = if left <= tolerance {
@@ -233,9 +234,10 @@ pub fn adjust<M: Adjustment>(model: &M, start: &M::State) -> Result<Adjusted<M::
                     }
                     Termination::MaxIterations { correction }
                 }
-                None if correction <= rounding => Termination::Converged {
+                // What is left to gain is less than the cost resolves.
+                None if correction <= (COST_ROUNDING * squares).sqrt() => Termination::Converged {
                     correction,
-                    tolerance: rounding,
+                    tolerance: (COST_ROUNDING * squares).sqrt(),
                 },
                 None => Termination::NoDecrease { correction },
             }
