@@ -4,7 +4,7 @@ use trueaxis_effects::{
     Explanation, LOST_MOTION_OF_BOTH_SIGNS, Layer, Level, ResolvedEffect, Scene, WORN_IN_THE_MIDDLE,
 };
 
-use crate::extremes::extremes;
+use crate::numbers::extremes;
 use crate::{Fitted, Wandering};
 
 /// Probability of equal sizes scattering as much, below which they differ by more than chance.

@@ -89,7 +89,9 @@ pub(crate) use competition::{
 };
 pub(crate) use culprit::{Culprit, Culprits};
 pub(crate) use estimated::{ByShape, cause, derivative, with_uncertainties};
-pub(crate) use forward::{FURTHER_LEVEL, Forward, SHAPE_ERROR, Search, is_another, select};
+pub(crate) use forward::{
+    FURTHER_LEVEL, Forward, SHAPE_ERROR, Search, is_another, select, without,
+};
 pub(crate) use held_out::{FOLDS, HeldOut, Squares, in_blocks, sought_again};
 pub(crate) use hypotheses::{
     TimeConstants, busy_s, duration_s, is_tested, of_catalogue, scan, scans, without_pauses,

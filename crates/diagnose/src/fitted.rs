@@ -6,6 +6,8 @@
 use trueaxis_effects::Scene;
 use trueaxis_kinematics::AxisKind;
 
+use crate::numbers::distinct;
+
 /// Data for a figure of a cause.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fitted {
@@ -97,9 +99,7 @@ impl Fitted {
             return None;
         }
         let own = |group: usize| rows.iter().filter(move |row| row.group == group);
-        let mut axes: Vec<usize> = own(group).flat_map(|r| &r.moving).map(|m| m.0).collect();
-        axes.sort_unstable();
-        axes.dedup();
+        let axes = distinct(own(group).flat_map(|r| &r.moving).map(|m| m.0));
         let over = std::iter::once(None).chain(axes.into_iter().map(Some));
         let drawn_over = over.map(|over| (over, drawn(own(group), over, 1.0)));
         let drawn_over =

@@ -19,6 +19,7 @@ use trueaxis_selection::{Projection, f_test};
 
 use crate::engine::linear::{Among, Judged, Listed};
 use crate::engine::rms;
+use crate::numbers::{distinct, root_mean_square};
 pub(crate) use crate::runs::contradicting::contradicting_runs;
 use crate::runs::fitted::fitted;
 use crate::runs::hypotheses::{candidates, not_observable};
@@ -42,9 +43,8 @@ pub(crate) fn diagnose_runs(
     settings: &Settings,
     may_be_named: bool,
 ) -> Result<Option<(Said, Option<Campaign>)>, Error> {
-    let mut axes: Vec<usize> = campaign.runs.iter().map(|run| run.axis).collect();
-    axes.sort_unstable();
-    if campaign.lengths.is_none() || axes.windows(2).all(|pair| pair[0] != pair[1]) {
+    let axes = distinct(campaign.runs.iter().map(|run| run.axis));
+    if campaign.lengths.is_none() || axes.len() == campaign.runs.len() {
         return Ok(None);
     }
     let mut whole = settings.calibration;
@@ -231,9 +231,8 @@ fn cause(
 ) -> Cause {
     let cause = listed.cause(judged, (scene, Level::Lengths), (&judged.fit, 0.0), 1.0);
     let effects_mm = on_lengths.of(std::slice::from_ref(&cause.effect));
-    let squares: f64 = effects_mm.iter().map(|e| e * e).sum();
     Cause {
-        explained_rms_um: 1e3 * (squares / effects_mm.len().max(1) as f64).sqrt(),
+        explained_rms_um: 1e3 * root_mean_square(&effects_mm),
         rivals: listed.rivals(judged),
         ..cause
     }

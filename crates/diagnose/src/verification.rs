@@ -76,7 +76,6 @@ use trueaxis_effects::{Effect, Level, Scene, Shape, effect};
 use trueaxis_kinematics::{AxisKind, Machine};
 use trueaxis_predict::{CalibratedMachine, GIVE_COMMANDED, are_read_out};
 
-use crate::Rejected;
 use crate::components::diagnose_line_curve;
 use crate::said::Said;
 use crate::verification::alike::alike_scales;
@@ -187,16 +186,8 @@ pub(crate) fn diagnose_verification(
             continue;
         };
         let comparison = Comparison::new(machine, verification, calibration);
-        let asked = (level, false);
-        let mut aside = Said::default();
-        let series = judged_alone(
-            &verification.name,
-            &comparison,
-            calibration,
-            scene,
-            asked,
-            &mut aside,
-        );
+        let (name, asked, mut aside) = (&verification.name, (level, false), Said::default());
+        let series = judged_alone(name, &comparison, calibration, scene, asked, &mut aside);
         let other = series.map(|series| series.entry(scene, &[]));
         doubt(entry, other.as_ref(), &comparison, &are_open);
     }
@@ -218,18 +209,12 @@ fn leave_gross_errors_out(
             verification.readings.remove(own.reading);
         }
         for own in gross {
-            let Rejected {
-                file,
-                row,
-                error_um,
-                u_um,
-                ..
-            } = &own.rejected;
-            let against = own.contradicts.against();
+            let (wrong, against) = (own.rejected, own.contradicts.against());
             outcome.notices.push(format!(
-                "{file}: the reading in line {row} is off by {error_um:.1} µm (u = {u_um:.1} µm) against {against}"
+                "{}: the reading in line {} is off by {:.1} µm (u = {:.1} µm) against {against}",
+                wrong.file, wrong.row, wrong.error_um, wrong.u_um
             ));
-            outcome.rejected.push(own.rejected);
+            outcome.rejected.push(wrong);
         }
     }
 }
@@ -249,15 +234,10 @@ fn judged_alone<'a>(
         ));
         return None;
     }
-    let doubts = [
-        units::doubt(comparison),
-        one_side::doubt(comparison),
-        not_at_rest::doubt(comparison),
-    ];
-    let doubts = doubts.into_iter().flatten();
-    outcome
-        .notices
-        .extend(doubts.map(|doubt| format!("{name}: {doubt}")));
+    let doubts = [units::doubt, one_side::doubt, not_at_rest::doubt];
+    let doubts = doubts.into_iter().filter_map(|doubt| doubt(comparison));
+    let notices = doubts.map(|doubt| format!("{name}: {doubt}"));
+    outcome.notices.extend(notices);
     let Some(digit) = comparison.digit else {
         let why = match comparison.arrivals.as_slice() {
             [stop] if stop.readings > 1 => {
@@ -345,9 +325,8 @@ fn judged_alone<'a>(
         effect.shape == Shape::Period
     });
     let doubts = periods.filter_map(|cause| short_periods::doubt(comparison, cause.shape));
-    outcome
-        .notices
-        .extend(doubts.map(|doubt| format!("{name}: {doubt}")));
+    let notices = doubts.map(|doubt| format!("{name}: {doubt}"));
+    outcome.notices.extend(notices);
     // Late time stamps look similar.
     let mut others = found.model.causes.clone();
     others.retain(|cause| !found.plain.listed.hypothesis(cause).effect.is_delay());

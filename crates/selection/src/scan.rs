@@ -1,6 +1,8 @@
 //! A hypothesis with all its shapes.
 
-use trueaxis_effects::{Effect, ResolvedEffect, Shape, Subject};
+use trueaxis_effects::{
+    Circumstances, Displaced, Effect, Parameter, ResolvedEffect, Scene, Shape, Subject,
+};
 use trueaxis_leastsquares::lane_products::LaneMatrix;
 
 use crate::Gram;
@@ -26,6 +28,16 @@ impl Hypothesis {
     /// course, and several together draw any course.
     pub fn is_of_time(&self) -> bool {
         self.subject.axis.is_none()
+    }
+
+    /// Its linear parameters.
+    pub fn parameters(&self, scene: &Scene) -> Vec<Parameter> {
+        self.effect.parameters(scene, &self.subject)
+    }
+
+    /// What a unit of a parameter does to a reading at a shape.
+    pub fn form(&self, parameter: usize, shape: f64, at: &Circumstances<'_>) -> Displaced {
+        self.effect.form(&self.subject, parameter, shape, at)
     }
 
     /// The effect with these values.

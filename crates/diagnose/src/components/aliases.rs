@@ -17,6 +17,7 @@ use crate::components::candidates::{Candidate, measured_most};
 use crate::components::curve_set::{CurveSet, Thinned};
 use crate::components::estimate::{Estimate, estimate};
 use crate::components::search::SetSearch;
+use crate::engine::without;
 
 /// Tolerance for whole numbers of waves per turn.
 const WHOLE: f64 = 1e-6;
@@ -30,12 +31,11 @@ impl SetSearch {
         let mut left = thinned.values.clone();
         for i in 0..self.found.len() {
             let (candidate, shape) = (&self.found[i].candidate, self.found[i].estimate.shape);
-            let others = [&self.found[..i], &self.found[i + 1..]].concat();
-            let backgrounds = self.backgrounds(&others);
+            let backgrounds = self.backgrounds(&without(&self.found, i));
             let own = |shape: f64| {
                 let own = estimate(&self.set, &backgrounds, candidate, shape);
-                let without = without(&self.set, &thinned, candidate, &own, &left);
-                (squares_between(&self.set, &thinned, &without), own, without)
+                let less = less(&self.set, &thinned, candidate, &own, &left);
+                (squares_between(&self.set, &thinned, &less), own, less)
             };
             let mut all: Vec<(f64, Estimate, Vec<f64>)> = vec![own(shape)];
             all.extend(aliases(&self.set, candidate, shape).into_iter().map(own));
@@ -58,8 +58,8 @@ impl SetSearch {
                 delta_bic: bic + worse(*squares),
             });
             let rivals: Vec<Rival> = rivals.collect();
-            let (_, best, without) = all.swap_remove(0);
-            left = without;
+            let (_, best, less) = all.swap_remove(0);
+            left = less;
             self.found[i].estimate = best;
             self.found[i].rivals.extend(rivals);
         }
@@ -89,7 +89,7 @@ fn aliases(set: &CurveSet, candidate: &Candidate, shape: f64) -> Vec<f64> {
 }
 
 /// Values at all positions less an effect with these parameters.
-fn without(
+fn less(
     set: &CurveSet,
     thinned: &Thinned,
     candidate: &Candidate,

@@ -17,10 +17,10 @@ use trueaxis_effects::AxisPosition;
 use trueaxis_kinematics::{Axis, AxisKind, Component, Machine, MotionError};
 use trueaxis_leastsquares::median;
 use trueaxis_predict::Unit;
-use trueaxis_selection::{Hypothesis, Projection};
+use trueaxis_selection::Projection;
 
 use crate::components::candidates::Candidate;
-use crate::extremes::extremes;
+use crate::numbers::extremes;
 
 /// Curves that are judged together.
 #[derive(Debug, Clone)]
@@ -301,9 +301,7 @@ impl CurveSet {
         candidate: &Candidate,
         shape: f64,
     ) -> Vec<Vec<f64>> {
-        let Hypothesis {
-            effect, subject, ..
-        } = &candidate.hypothesis;
+        let (effect, subject) = (candidate.hypothesis.effect, &candidate.hypothesis.subject);
         let of_parameter = |k: usize| {
             self.column_at(nodes, |c, position, direction| {
                 let at = AxisPosition {

@@ -9,6 +9,7 @@ use crate::Cause;
 use crate::components::curve_set::{CurveSet, FEWEST_STEPS};
 use crate::components::scene_of;
 use crate::components::search::Search;
+use crate::numbers::mean;
 use crate::verification::base::{count, lines, places};
 use crate::verification::comparison::Comparison;
 
@@ -62,14 +63,14 @@ pub(crate) fn diagnose_line_curve(
         let of_side = |sign: f64| {
             let rows = own().filter(|&row| comparison.arrivals[row].direction * sign > 0.0);
             let rows: Vec<f64> = rows.map(|row| comparison.difference_um[row]).collect();
-            (!rows.is_empty()).then(|| rows.iter().sum::<f64>() / rows.len() as f64)
+            (!rows.is_empty()).then(|| mean(&rows))
         };
         // The mean of the two sides is free of lost motion.
         let sides: Vec<f64> = [1.0, -1.0].into_iter().filter_map(of_side).collect();
         let readings = own().count() as f64;
         let sigma = noise_um.unwrap_or(NO_REPEATS_UM) / unit_um;
         nodes.push(comparison.arrivals[first].positions[axis]);
-        values.push(sides.iter().sum::<f64>() / sides.len() as f64 / unit_um);
+        values.push(mean(&sides) / unit_um);
         variances.push(sigma * sigma / readings);
     }
     if values.iter().any(|value| !value.is_finite()) {

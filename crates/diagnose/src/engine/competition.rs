@@ -21,7 +21,7 @@ use crate::engine::wandering::{
 use crate::engine::wanders::{Beside, disturbances, least, of_wandering};
 use crate::engine::{
     Culprit, Culprits, Found, SHAPE_ERROR, Search, Suspect, Wanders, find_causes, revise, scan,
-    scans,
+    scans, without,
 };
 
 /// Causes, and disturbances beside them.
@@ -120,18 +120,13 @@ fn beats<D: Wanders>(
 
 /// Adds to causes the disturbances that may have been there instead: those with a larger 2 ln B.
 pub(crate) fn add_rival_disturbances<D: Wanders>(competed: &mut Competed<D>) -> Result<(), Error> {
-    let Competed {
-        base,
-        search,
-        wandering,
-    } = competed;
-    let base = &*base;
+    let (base, search) = (&competed.base, &mut competed.search);
     let beside = Beside::new(base, &[]);
-    let is_new = |w: &Wanderer| wandering.iter().all(|own| own.wanderer() != *w);
+    let known = &competed.wandering;
+    let is_new = |w: &Wanderer| known.iter().all(|own| own.wanderer() != *w);
     let others: Vec<Wanderer> = beside.wanderers().iter().copied().filter(is_new).collect();
     for (k, found) in search.found.iter_mut().enumerate() {
-        let mut suspects = D::suspects(&search.adjusted).to_vec();
-        suspects.remove(k);
+        let suspects = without(D::suspects(&search.adjusted), k);
         let without = base.adjust_near(&search.adjusted, suspects)?;
         let instead = instead_of_cause(&beside, &without, &others, found.two_ln_b);
         found.wandering.extend(instead);
@@ -163,8 +158,7 @@ fn described<D: Wanders>(
         let Some(undescribed) = model.search.found.iter().position(wanders_on) else {
             return Ok(model);
         };
-        let mut suspects = D::suspects(&model.search.adjusted).to_vec();
-        suspects.remove(undescribed);
+        let suspects = without(D::suspects(&model.search.adjusted), undescribed);
         model = revised(base, suspects, candidates)?;
     }
 }
@@ -219,31 +213,19 @@ fn charged<D: Wanders>(
     causes: &[Found],
     wandering: &[JudgedDisturbance],
 ) -> f64 {
-    let (two_ln_b, projection) = of_wandering(base, plain, wandering);
-    let adjusted = D::with(plain, projection);
-    let columns =
-        |found: &Found| base.columns(&adjusted)(&found.suspect.hypothesis, found.suspect.shape);
-    let columns: Vec<Vec<Vec<f64>>> = causes.iter().map(columns).collect();
-    let with = |is_in: &dyn Fn(usize) -> bool| {
-        let own = (0..causes.len()).filter(|k| is_in(*k));
-        let own: Vec<Vec<f64>> = own.flat_map(|k| columns[k].clone()).collect();
-        D::projection(&adjusted).extended(&own)
-    };
+    let (two_ln_b, beside) = of_wandering(base, plain, wandering);
+    let columns = base.columns(plain);
+    let of_causes = causes.iter().map(|own| &own.suspect);
+    let of_causes = of_causes.map(|own| columns(&own.hypothesis, own.shape));
+    let of_causes: Vec<Vec<Vec<f64>>> = of_causes.collect();
     let price_of = |k: usize| {
-        let others = D::with(&adjusted, with(&|i| i != k));
-        let scan = scan(
-            base,
-            &others,
-            D::projection(&others),
-            causes[k].suspect.hypothesis,
-        )?;
-        let scores = rank(D::projection(&others), std::slice::from_ref(&scan));
-        scores
-            .first()
-            .map(|score| score.price(D::projection(&others)))
+        let others = beside.extended(&without(&of_causes, k).concat());
+        let scan = scan(base, plain, &others, causes[k].suspect.hypothesis)?;
+        let scores = rank(&others, std::slice::from_ref(&scan));
+        scores.first().map(|score| score.price(&others))
     };
     let prices = (0..causes.len()).filter_map(price_of);
-    two_ln_b + together([D::projection(&adjusted), &with(&|_| true)], prices)
+    two_ln_b + together([&beside, &beside.extended(&of_causes.concat())], prices)
         - price(causes.len(), wandering)
 }
 

@@ -118,9 +118,6 @@ pub(crate) fn rivals<'s, F>(
 
 /// The plausible range of each parameter of a hypothesis.
 pub(crate) fn plausible(hypothesis: &Hypothesis, scene: &Scene) -> Vec<Option<[f64; 2]>> {
-    let Hypothesis {
-        effect, subject, ..
-    } = hypothesis;
-    let parameters = effect.parameters(scene, subject);
-    parameters.iter().map(|p| p.plausible).collect()
+    let parameters = hypothesis.parameters(scene).into_iter();
+    parameters.map(|p| p.plausible).collect()
 }

@@ -1,6 +1,5 @@
 //! The search for causes in data that are adjusted anew with each: lengths and points.
 
-use trueaxis_effects::Shape;
 use trueaxis_selection::{
     DECISIVE, EQUAL, Fit, Hypothesis, Null, Projection, Scan, Score, combined,
 };
@@ -201,10 +200,7 @@ fn add_exchanged(found: &mut [Found], others: &[Suspect], more: f64) {
 /// Limits between which a listed shape is refined; `None` if the list has all shapes.
 fn ends<D: Measured>(data: &D, suspect: &Suspect) -> Option<[f64; 2]> {
     let shape = suspect.hypothesis.effect.shape;
-    if !matches!(
-        shape,
-        Shape::TimeConstant | Shape::SettlingTime | Shape::Lag
-    ) {
+    if !shape.is_duration() {
         return None;
     }
     let found = suspect.shape;

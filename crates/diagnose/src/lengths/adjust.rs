@@ -7,7 +7,7 @@ use trueaxis_screening::estimate_noise;
 use trueaxis_selection::Fit;
 
 use crate::Error;
-use crate::engine::{Suspect, wandered_mm};
+use crate::engine::{Measured, Suspect, wandered_mm};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 
@@ -100,10 +100,10 @@ impl Base<'_> {
     }
 
     fn columns_of_suspects(&self, adjusted: &Adjusted) -> Vec<Vec<f64>> {
+        let columns = self.columns(adjusted);
         let suspects = adjusted.suspects.iter();
-        suspects
-            .flat_map(|s| self.columns(adjusted, &s.hypothesis, s.shape))
-            .collect()
+        let of_each = suspects.flat_map(|s| columns(&s.hypothesis, s.shape));
+        of_each.collect()
     }
 
     /// Adjusts everything with fixed causes.

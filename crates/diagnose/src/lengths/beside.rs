@@ -17,16 +17,19 @@ use crate::lengths::omnibus::travelled;
 impl Wanders for Base<'_> {
     const ROWS: usize = 1;
 
-    fn wanderers(&self) -> Vec<(Who, With)> {
+    fn wanderers(&self) -> Vec<Wanderer> {
         let scene = &self.scene;
-        let mut all = vec![(Who::Machine, With::Occupation)];
+        let of_occupation = |who| Wanderer::new(who, With::Occupation);
+        let mut all = vec![of_occupation(Who::Machine)];
         if scene.has_bed_targets() {
-            all.push((Who::Tripods, With::Occupation));
+            all.push(of_occupation(Who::Tripods));
         }
-        all.push((Who::Air, With::Occupation));
-        for station in 0..scene.stations.len() {
-            all.push((Who::Station(station), With::Occupation));
-            all.push((Who::Station(station), With::Position));
+        all.push(of_occupation(Who::Air));
+        for station in (0..scene.stations.len()).map(Who::Station) {
+            all.extend([
+                of_occupation(station),
+                Wanderer::new(station, With::Position),
+            ]);
         }
         all.extend(targets_and_axes(scene, |axis, side| {
             let mut readings = self.readings.iter();
@@ -67,7 +70,7 @@ impl Wanders for Base<'_> {
         self.scene.machine.axes()[axis].travel()
     }
 
-    fn columns_mm(&self, model: &Adjusted, wanderer: Wanderer) -> Vec<Vec<f64>> {
+    fn courses_mm(&self, model: &Adjusted, wanderer: Wanderer) -> Vec<Vec<f64>> {
         self.columns_of(&self.here(), &model.solution, wanderer)
     }
 
@@ -96,10 +99,6 @@ impl Wanders for Base<'_> {
 
     fn variance(noise: &Noise) -> f64 {
         noise.length_sigma_mm.powi(2) + noise.repeatability_mm.powi(2)
-    }
-
-    fn with(model: &Adjusted, projection: Projection) -> Adjusted {
-        model.with(projection)
     }
 }
 
@@ -148,8 +147,7 @@ impl Base<'_> {
         Ok(Adjusted {
             network,
             solution,
-            suspects: adjusted.suspects.clone(),
-            ..adjusted.with(adjusted.projection.clone())
+            ..adjusted.clone()
         })
     }
 }

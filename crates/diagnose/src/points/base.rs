@@ -18,6 +18,7 @@ use trueaxis_screening::{CoordinateNoise, CoordinateReading, StepReadings};
 use trueaxis_selection::Hypothesis;
 
 use crate::engine::disturbance::Disturbance;
+use crate::numbers::distinct;
 use crate::points::readings::{Reading, Readings};
 
 /// The points of a campaign about one adjustment.
@@ -216,14 +217,13 @@ impl<'a> Base<'a> {
     }
 
     /// Changes of all coordinates by a unit of each parameter of a hypothesis, mm.
-    pub(crate) fn columns_mm(&self, hypothesis: &Hypothesis, shape: f64) -> Vec<Vec<f64>> {
-        let (effect, subject) = (hypothesis.effect, &hypothesis.subject);
-        let count = effect.parameters(self.scene, subject).len();
+    pub(crate) fn columns_at(&self, hypothesis: &Hypothesis, shape: f64) -> Vec<Vec<f64>> {
+        let count = hypothesis.parameters(self.scene).len();
         let mut columns = vec![Vec::with_capacity(self.misfit_mm.len()); count];
         for i in 0..self.readings.all.len() {
             let at = self.at(i);
             for (k, column) in columns.iter_mut().enumerate() {
-                let shown_mm = self.shown_mm(&effect.form(subject, k, shape, &at));
+                let shown_mm = self.shown_mm(&hypothesis.form(k, shape, &at));
                 column.extend(self.in_rows(i, shown_mm).iter());
             }
         }
@@ -258,10 +258,7 @@ fn fitted(
     let of = |i: &usize| &readings.all[*i];
     let measured: Vec<Point3<f64>> = own.iter().map(|i| of(i).measured_mm).collect();
     let home: Vec<Point3<f64>> = own.iter().map(|i| shapes_mm[of(i).shape]).collect();
-    let mut shapes: Vec<usize> = own.iter().map(|i| of(i).shape).collect();
-    shapes.sort_unstable();
-    shapes.dedup();
-    if shapes.len() >= TARGETS_OF_A_POSE {
+    if distinct(own.iter().map(|i| of(i).shape)).len() >= TARGETS_OF_A_POSE {
         return best_fit(&home, &measured);
     }
     let left = measured.iter().zip(&home).map(|(p, h)| p - pose * h);

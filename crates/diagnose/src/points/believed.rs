@@ -63,29 +63,23 @@ impl<'a> Believed<'a> {
     /// left. Among many gross errors, which imitate anything, causes must predict better and be most of the misfit.
     fn of(mut competed: Competed<Base<'a>>, are_many: bool) -> Result<Self, Error> {
         loop {
-            let Competed {
-                base,
-                search,
-                wandering,
-            } = &mut competed;
+            let (base, search) = (&competed.base, &mut competed.search);
             let (found, model) = (&mut search.found, &search.adjusted);
             let count = found.len();
             let families = families(base, model);
             let after = omnibus(model, &families);
             let left = still_left(&families, &after, OMNIBUS_LEVEL, |t| t.excess);
             let is_one = |cause: &Found| {
-                let Suspect {
-                    hypothesis, shape, ..
-                } = &cause.suspect;
-                let columns = base.columns(model)(hypothesis, *shape);
+                let own = &cause.suspect;
+                let columns = base.columns(model)(&own.hypothesis, own.shape);
                 let fit = Fit::new(&model.bare, &columns);
-                is_imitation(&model.bare, &fit, hypothesis.is_of_time(), &left)
+                is_imitation(&model.bare, &fit, own.hypothesis.is_of_time(), &left)
             };
             // Causes found after an imitation are removed with it.
             let first = found.iter().position(is_one);
             found.truncate(first.unwrap_or(count));
             if found.len() == count {
-                let is_plain = found.is_empty() && wandering.is_empty();
+                let is_plain = found.is_empty() && competed.wandering.is_empty();
                 let heldout = match is_plain {
                     true => None,
                     false => held_out(base, model, &suspects(found)),

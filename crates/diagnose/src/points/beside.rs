@@ -1,7 +1,6 @@
 //! The points with disturbances in their covariance.
 
 use trueaxis_effects::{Displaced, Subject};
-use trueaxis_selection::Projection;
 
 use crate::engine::Wanders;
 use crate::engine::coordinate::{self, Coordinate};
@@ -15,8 +14,9 @@ use crate::points::readings::Reading;
 impl Wanders for Base<'_> {
     const ROWS: usize = 3;
 
-    fn wanderers(&self) -> Vec<(Who, With)> {
-        let mut all = vec![(Who::Machine, With::Campaign), (Who::Frame, With::Campaign)];
+    fn wanderers(&self) -> Vec<Wanderer> {
+        let all = [Who::Machine, Who::Frame];
+        let mut all = all.map(|who| Wanderer::new(who, With::Campaign)).to_vec();
         all.extend(targets_and_axes(self.scene, |axis, side| {
             let mut readings = self.readings.all.iter();
             readings.any(|r| r.axis == Some(axis) && r.side * side > 0.0)
@@ -53,7 +53,7 @@ impl Wanders for Base<'_> {
         range(self, axis)
     }
 
-    fn columns_mm(&self, _: &Model, wanderer: Wanderer) -> Vec<Vec<f64>> {
+    fn courses_mm(&self, _: &Model, wanderer: Wanderer) -> Vec<Vec<f64>> {
         self.columns_of_unit_mm(wanderer)
     }
 
@@ -81,10 +81,6 @@ impl Wanders for Base<'_> {
     fn variance(noise: &Noise) -> f64 {
         let parts = noise.own_mm.iter().chain(&noise.return_mm);
         parts.map(|sigma| sigma * sigma).sum()
-    }
-
-    fn with(model: &Model, projection: Projection) -> Model {
-        model.with_projection(projection)
     }
 }
 

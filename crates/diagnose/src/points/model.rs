@@ -9,6 +9,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use trueaxis_selection::{Fit, Projection};
 
 use crate::engine::{Suspect, Wanders};
+use crate::numbers::squares;
 use crate::points::base::{Base, of_pose};
 use crate::points::noise::{Noise, StopWhitening};
 use crate::points::readings::Reading;
@@ -84,18 +85,6 @@ impl Model {
     pub(crate) fn colour(&self, base: &Base<'_>, column: &mut [f64]) {
         for (stop, own) in base.readings.stops.iter().zip(self.whitening.iter()) {
             own.colour(&mut column[3 * stop.start..3 * stop.end]);
-        }
-    }
-
-    /// The same with another projection and without causes.
-    pub(crate) fn with_projection(&self, projection: Projection) -> Self {
-        Self {
-            noise: self.noise,
-            whitening: self.whitening.clone(),
-            weights: self.weights.clone(),
-            bare: self.bare.clone(),
-            projection,
-            suspects: Vec::new(),
         }
     }
 
@@ -189,8 +178,7 @@ fn eliminated(base: &Base<'_>, whiten: impl Fn(&mut Vec<f64>)) -> Projection {
         }
     }
     shapes.iter_mut().for_each(&whiten);
-    let length = |column: &Vec<f64>| column.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let lengths: Vec<f64> = shapes.iter().map(length).collect();
+    let lengths: Vec<f64> = shapes.iter().map(|column| squares(column).sqrt()).collect();
 
     // O, and everything else orthogonal to it.
     let mut basis = vec![0.0; 6 * rows];

@@ -10,7 +10,7 @@
 use nalgebra::Vector3;
 
 use crate::engine::{Family, MOST_OF_FREEDOM, Omnibus, waves_of};
-use crate::extremes::extremes;
+use crate::numbers::extremes;
 use crate::points::base::Base;
 use crate::points::model::Model;
 use crate::points::readings::Reading;

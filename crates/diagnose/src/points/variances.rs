@@ -13,6 +13,7 @@
 use trueaxis_leastsquares::{chi_squared_upper_tail, dot};
 
 use crate::engine::rms;
+use crate::numbers::squares;
 use crate::points::base::Base;
 use crate::points::model::{Model, left_of};
 use crate::points::noise::Noise;
@@ -117,7 +118,7 @@ impl Model {
                     None => {}
                 }
             }
-            let usual_mm2 = noise.own_mm.iter().map(|own| own * own).sum::<f64>() / 3.0;
+            let usual_mm2 = squares(&noise.own_mm) / 3.0;
             for return_mm in &mut noise.return_mm {
                 if return_mm.powi(2) < NONE * usual_mm2 {
                     *return_mm = 0.0;

@@ -8,6 +8,7 @@ use trueaxis_selection::Projection;
 
 use crate::engine::linear::Judged;
 use crate::fitted::{Fitted, Row};
+use crate::numbers::squares_about_mean;
 
 /// The figure for one run: the three displacements or the three rotations of its poses, whichever vary more along the
 /// axis, without what the runs share and what each may have alone.
@@ -40,13 +41,8 @@ pub(super) fn fitted(
 /// course.
 fn variation(rows: &[Row]) -> f64 {
     let of_coordinate = |group: usize| {
-        let values = || {
-            rows.iter()
-                .filter(|row| row.group == group)
-                .map(|row| row.fitted / row.u)
-        };
-        let mean = values().sum::<f64>() / values().count().max(1) as f64;
-        values().map(|value| (value - mean).powi(2)).sum::<f64>()
+        let own = rows.iter().filter(|row| row.group == group);
+        squares_about_mean(&own.map(|row| row.fitted / row.u).collect::<Vec<f64>>())
     };
     (0..3).map(of_coordinate).sum()
 }

@@ -1,5 +1,6 @@
 //! Equal scale errors of several axes.
 
+use crate::numbers::distinct;
 use crate::said::Entry;
 use crate::verification::series::Series;
 
@@ -23,24 +24,19 @@ pub(crate) fn alike_scales(entries: &[Entry], all: &[Series<'_>]) -> Option<Stri
         axes.push(axis);
         sizes.push((scale.value, scale.u));
     }
-    axes.sort_unstable();
-    axes.dedup();
+    let axes = distinct(axes);
     let are_alike = |a: &(f64, f64), b: &(f64, f64)| (a.0 - b.0).abs() <= COVERAGE * a.1.hypot(b.1);
     let all_alike = sizes.iter().all(|a| sizes.iter().all(|b| are_alike(a, b)));
     let are_clear = sizes.iter().all(|(size, u)| size.abs() > CLEAR * u);
     if axes.len() < 2 || !all_alike || !are_clear {
         return None;
     }
-    let weights = || sizes.iter().map(|(_, u)| u.powi(-2));
-    let sum: f64 = sizes
-        .iter()
-        .zip(weights())
-        .map(|((size, _), w)| size * w)
-        .sum();
+    let weights: f64 = sizes.iter().map(|(_, u)| u.powi(-2)).sum();
+    let sum: f64 = sizes.iter().map(|(size, u)| size * u.powi(-2)).sum();
     Some(format!(
         "the scales of {} axes are off by the same {:+.1} ppm: first check the instrument that measured them (its wavelength, the air, \
          the temperature of the material that was entered)",
         axes.len(),
-        sum / weights().sum::<f64>()
+        sum / weights
     ))
 }

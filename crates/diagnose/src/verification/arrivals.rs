@@ -14,7 +14,7 @@
 
 use trueaxis_campaign::VerificationReading;
 
-use crate::extremes::extremes;
+use crate::numbers::extremes;
 use crate::verification::side::{around, side};
 use crate::verification::stopped::is_stopped;
 

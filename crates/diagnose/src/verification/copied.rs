@@ -2,7 +2,7 @@
 
 use trueaxis_campaign::VerificationReading;
 
-use crate::extremes::extremes;
+use crate::numbers::extremes;
 use crate::verification::arrivals::is_same;
 use crate::verification::given_once::LEAST_REPEATED;
 

@@ -5,8 +5,8 @@ use trueaxis_leastsquares::dot;
 use trueaxis_selection::combined;
 
 use crate::engine::disturbance::With;
-use crate::engine::linear::{Among, without};
-use crate::engine::{JudgedDisturbance, PART};
+use crate::engine::linear::Among;
+use crate::engine::{JudgedDisturbance, PART, without};
 use crate::verification::model::{Model, only};
 use crate::verification::problem::Problem;
 use crate::verification::wanderer::is_course_of;

@@ -9,7 +9,7 @@ use trueaxis_selection::Projection;
 
 use crate::Unexplained;
 use crate::engine::{ACCIDENTS, first_lines, most};
-use crate::extremes::extremes;
+use crate::numbers::{distinct, extremes};
 use crate::verification::base::{cells, count, less_location, passes, sizes};
 use crate::verification::comparison::Comparison;
 use crate::verification::gross_errors::MOST_IN_A_ROW;
@@ -123,9 +123,7 @@ fn sides(cells: &[usize], passes: &[usize]) -> usize {
             sides.for_each(|side| *side = other);
         }
     }
-    side_of_cell.sort_unstable();
-    side_of_cell.dedup();
-    side_of_cell.len()
+    distinct(side_of_cell).len()
 }
 
 /// The median; of an even number the mean of the two in the middle.

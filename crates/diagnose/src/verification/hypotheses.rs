@@ -4,8 +4,7 @@ use std::f64::consts::PI;
 
 use trueaxis_campaign::VerificationKind;
 use trueaxis_effects::{
-    BACKLASH, CROSS_COUPLING, Effect, Level, POSITION_DEPENDENT_BACKLASH, Scene, Shape, Subject,
-    catalogue,
+    BACKLASH, CROSS_COUPLING, Level, POSITION_DEPENDENT_BACKLASH, Scene, Shape, Subject, catalogue,
 };
 use trueaxis_kinematics::{AxisKind, Component};
 use trueaxis_leastsquares::median;
@@ -13,6 +12,7 @@ use trueaxis_selection::{Hypothesis, ShapeColumns, middle};
 
 use crate::engine::linear::{Candidate, Finer};
 use crate::engine::{TimeConstants, plausible, without_pauses};
+use crate::numbers::distinct;
 use crate::verification::arrivals::Arrival;
 use crate::verification::comparison::Comparison;
 use crate::verification::lost_motion;
@@ -79,8 +79,7 @@ pub(crate) fn candidates<'a>(
             let turns = |axis: &usize| comes_from_both_sides(comparison, *axis);
             scene.moving.extend(comparison.line().filter(turns));
         }
-        scene.moving.sort_unstable();
-        scene.moving.dedup();
+        scene.moving = distinct(scene.moving);
         let mut subjects = effect.subjects(&scene);
         subjects.retain(|subject| is_seen(comparison, subject));
         if effect.waves(0.0).is_some() {
@@ -94,9 +93,9 @@ pub(crate) fn candidates<'a>(
             };
             let plausible = plausible(&hypothesis, &scene);
             let shapes = shapes(comparison, effect.shape, &subject);
-            let is_seen = is_of_both_sides(comparison, effect, &subject);
+            let is_seen = is_of_both_sides(comparison, &hypothesis);
             let column = move |k, shape| match is_seen {
-                true => comparison.column(effect, &subject, k, shape),
+                true => comparison.column(&hypothesis, k, shape),
                 false => vec![0.0; comparison.arrivals.len()],
             };
             let count = plausible.len();
@@ -180,12 +179,8 @@ fn is_half_turned(comparison: &Comparison<'_>, subject: &Subject) -> bool {
 
 /// Whether an effect is anything but lost motion of an axis that came from one side only: this cannot be separated
 /// from a function of the position.
-pub(crate) fn is_of_both_sides(
-    comparison: &Comparison<'_>,
-    effect: &Effect,
-    subject: &Subject,
-) -> bool {
-    let axis = subject.axis.filter(|_| effect.is_lost_motion());
+pub(crate) fn is_of_both_sides(comparison: &Comparison<'_>, own: &Hypothesis) -> bool {
+    let axis = own.subject.axis.filter(|_| own.effect.is_lost_motion());
     axis.is_none_or(|axis| comes_from_both_sides(comparison, axis))
 }
 

@@ -60,7 +60,7 @@ pub(crate) fn reached_from_both_sides(comparison: &Comparison<'_>) -> Vec<usize>
 /// The difference of the sides of a line beside causes, and the most lost motion of a drive in use, µm or arcsec,
 /// where that is less: then it is no lost motion, but what reverses with the axis does not go with time, either.
 pub(crate) fn beyond_drives(problem: &Problem<'_>, causes: &[Chosen]) -> Option<[f64; 2]> {
-    let axis = problem.comparison.line()?;
+    problem.comparison.line()?;
     let model = problem.listed.with(causes);
     let (squares, freedom) = (model.squares(), model.degrees_of_freedom);
     let variance = squares / freedom.max(1.0);
@@ -77,10 +77,11 @@ pub(crate) fn beyond_drives(problem: &Problem<'_>, causes: &[Chosen]) -> Option<
         };
         (ln_p < SMOOTH_LEVEL.ln() && size > most).then_some([size, most])
     };
-    let mut forms = problem.listed.candidates.iter().filter(|c| {
-        c.hypothesis.effect.is_lost_motion() && c.hypothesis.subject.axis == Some(axis)
-    });
-    forms.find_map(beyond)
+    let mut candidates = problem.listed.candidates.iter();
+    candidates.find_map(|own| {
+        let is_form = is_of_line(problem.comparison, &own.hypothesis);
+        is_form.then(|| beyond(own)).flatten()
+    })
 }
 
 /// Mean and slope whose columns differ by less than this share have the same effect on the readings.
@@ -128,12 +129,11 @@ pub(crate) fn shown_along<'c>(
     comparison: &Comparison<'_>,
     cause: &'c Candidate<'_>,
 ) -> impl Iterator<Item = (f64, &'c [f64])> {
-    let Hypothesis {
-        effect, subject, ..
-    } = cause.hypothesis;
+    let own = &cause.hypothesis;
+    let changes = own.effect == POSITION_DEPENDENT_BACKLASH;
     let axis = comparison
         .line()
-        .filter(|&axis| effect == POSITION_DEPENDENT_BACKLASH && subject.axis == Some(axis));
+        .filter(|&axis| changes && own.subject.axis == Some(axis));
     let positions = axis.into_iter().flat_map(move |axis| {
         let of_one = match comparison.machine.axes()[axis].kind() {
             AxisKind::Linear => 1.0,

@@ -2,8 +2,8 @@
 
 use trueaxis_effects::CROSS_COUPLING;
 
-use crate::engine::linear::{Chosen, without};
-use crate::engine::{JudgedDisturbance, beside_all, price, together};
+use crate::engine::linear::Chosen;
+use crate::engine::{JudgedDisturbance, beside_all, price, together, without};
 use crate::verification::omnibus::omnibus;
 use crate::verification::problem::Problem;
 

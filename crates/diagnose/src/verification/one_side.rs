@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use trueaxis_selection::{Fit, Projection, ln_f_test};
 
-use crate::extremes::extremes;
+use crate::numbers::{extremes, mean};
 use crate::verification::arrivals::is_same;
 use crate::verification::base::{count as count_of, stands};
 use crate::verification::comparison::Comparison;
@@ -64,7 +64,7 @@ pub(crate) fn doubt(comparison: &Comparison<'_>) -> Option<String> {
         return None;
     }
     let higher_um = of_pairs(&|[a, b]| arrivals[b].value_um - arrivals[a].value_um);
-    let mean_um = higher_um.iter().sum::<f64>() / count as f64;
+    let mean_um = mean(&higher_um);
     let squares = later_s.iter().map(|later_s| later_s * later_s).collect();
     let drift = Projection::dense(higher_um, &[later_s, squares]);
     let fit = Fit::new(&drift, &[vec![1.0; count]]);

@@ -7,7 +7,8 @@
 use trueaxis_effects::{Scene, Shape};
 use trueaxis_selection::Fit;
 
-use crate::engine::linear::{Chosen, Listed, without};
+use crate::engine::linear::{Chosen, Listed};
+use crate::engine::without;
 use crate::verification::arrivals::groups_in_order;
 use crate::verification::base::count;
 use crate::verification::comparison::Comparison;

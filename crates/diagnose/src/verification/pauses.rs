@@ -11,9 +11,9 @@ use trueaxis_effects::{BACKLASH, Level, POSITION_DEPENDENT_BACKLASH, Scene, Shap
 use trueaxis_selection::{Fit, Hypothesis, Score};
 
 use crate::Rival;
-use crate::engine::JudgedDisturbance;
 use crate::engine::disturbance::{Wanderer, Who, With};
-use crate::engine::linear::{Chosen, Listed, without};
+use crate::engine::linear::{Chosen, Listed};
+use crate::engine::{JudgedDisturbance, without};
 use crate::verification::arrivals::groups_in_order;
 use crate::verification::base::{count, cycles, indicators};
 use crate::verification::lost_motion;
@@ -126,7 +126,7 @@ fn in_pauses(
     }
     let of_pauses = |cause: &Chosen| -> Vec<Vec<f64>> {
         let own = listed.hypothesis(cause);
-        let column = |i| problem.whiten(&paused.column(own.effect, &own.subject, i, cause.shape));
+        let column = |i| problem.whiten(&paused.column(own, i, cause.shape));
         match goes_with_progress(own) {
             true => (0..listed.candidates[cause.candidate].plausible.len())
                 .map(column)

@@ -16,6 +16,7 @@ use trueaxis_selection::Projection;
 
 use crate::engine::linear::{Chosen, Listed};
 use crate::engine::{Family, JudgedDisturbance, rms};
+use crate::numbers::squares;
 use crate::verification::autocorrelation::Noise;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
@@ -81,8 +82,7 @@ impl<'a> Problem<'a> {
         for direction in &prediction {
             let mut own = whiten(direction);
             as_predicted.project(&mut own);
-            let readings = whitening.um(&own).into_iter();
-            variance += readings.map(|x| x * x).sum::<f64>() / direction.len() as f64;
+            variance += squares(&whitening.um(&own)) / direction.len() as f64;
         }
         for (k, direction) in prediction.iter().enumerate() {
             let mut column = whiten(direction);

@@ -3,9 +3,10 @@
 use trueaxis_effects::{Level, ResolvedEffect, Scene};
 use trueaxis_selection::{Fit, Projection, add, combined};
 
-use crate::engine::linear::{Chosen, Listed, without};
-use crate::engine::{JudgedDisturbance, Misfits, side};
+use crate::engine::linear::{Chosen, Listed};
+use crate::engine::{JudgedDisturbance, Misfits, side, without};
 use crate::fitted::{Against, Fitted, Row};
+use crate::numbers::root_mean_square;
 use crate::verification::arrivals::Arrival;
 use crate::verification::between_passes::variance_um2;
 use crate::verification::held_out::gain_of;
@@ -19,9 +20,7 @@ use crate::{Cause, Place, Rival};
 
 /// Root mean square of a column over the readings, µm.
 pub(crate) fn rms_of_readings_um(problem: &Problem<'_>, column: &[f64]) -> f64 {
-    let readings = problem.um(column);
-    let squares: f64 = readings.iter().map(|x| x * x).sum();
-    (squares / readings.len() as f64).sqrt()
+    root_mean_square(&problem.um(column))
 }
 
 /// The causes with their values, rivals and gains. `predicted` leaves what the readings show beside the prediction as

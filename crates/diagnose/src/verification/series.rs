@@ -3,8 +3,8 @@
 use trueaxis_effects::{Level, Scene};
 use trueaxis_selection::{Projection, add};
 
-use crate::engine::linear::{Chosen, without};
-use crate::engine::{Coefficients, JudgedDisturbance, Omnibus};
+use crate::engine::linear::Chosen;
+use crate::engine::{Coefficients, JudgedDisturbance, Omnibus, without};
 use crate::said::Entry;
 use crate::verification::another_curve::another_curve;
 use crate::verification::competition::compete;
@@ -69,12 +69,8 @@ impl<'a> Series<'a> {
     /// Its outcome; the `first` of its causes come first, then the one without which most is left.
     pub(crate) fn entry(&self, scene: &Scene, first: &[usize]) -> Entry {
         let plain = &self.plain;
-        let Model {
-            problem,
-            wandering,
-            causes: chosen,
-            as_good,
-        } = &self.model;
+        let (problem, wandering) = (&self.model.problem, &self.model.wandering);
+        let chosen = &self.model.causes;
         let before = &plain.listed.base;
         let tests = omnibus(plain, before);
         let ranked = |k: usize| {
@@ -102,7 +98,7 @@ impl<'a> Series<'a> {
             (&plain.as_predicted, &after),
             (wandering, &course),
         );
-        for others in as_good {
+        for others in &self.model.as_good {
             report::add_rivals(&problem.listed, &chosen, others, &mut causes);
         }
         let is_plain = chosen.is_empty() && wandering.is_empty();

@@ -6,6 +6,7 @@
 
 use trueaxis_selection::{Fit, Projection, ln_f_test};
 
+use crate::numbers::mean;
 use crate::verification::arrivals::Arrival;
 
 /// Fewest steps.
@@ -28,14 +29,10 @@ pub(crate) fn is_stopped(all: &[Arrival], axis: usize) -> bool {
             continue;
         };
         let of_two = |of: &dyn Fn(&Arrival) -> f64| {
-            let all: Vec<f64> = inner
-                .windows(2)
-                .map(|two| (of(&two[1]) - of(&two[0])).abs())
-                .collect();
-            let mean = all.iter().sum::<f64>() / all.len() as f64;
-            all.into_iter()
-                .map(move |own| own / mean)
-                .collect::<Vec<f64>>()
+            let two = inner.windows(2);
+            let all: Vec<f64> = two.map(|two| (of(&two[1]) - of(&two[0])).abs()).collect();
+            let mean = mean(&all);
+            all.into_iter().map(move |own| own / mean)
         };
         steps.extend(of_two(&|a| a.positions[axis]));
         times.extend(of_two(&|a| a.time_s));

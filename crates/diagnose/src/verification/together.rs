@@ -17,7 +17,8 @@ use trueaxis_selection::{Hypothesis, f_test};
 
 use crate::Cause;
 use crate::cause::SIZES_DIFFER;
-use crate::engine::linear::{Among, Candidate, Chosen, Listed, MOST_CAUSES, contains, without};
+use crate::engine::linear::{Among, Candidate, Chosen, Listed, MOST_CAUSES, contains};
+use crate::engine::without;
 use crate::verification::believed::without_imitations;
 use crate::verification::joined::joint_cause;
 use crate::verification::model::has;

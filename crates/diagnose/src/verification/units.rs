@@ -5,7 +5,7 @@ use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::dot;
 use trueaxis_selection::Projection;
 
-use crate::extremes::extremes;
+use crate::numbers::extremes;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
 

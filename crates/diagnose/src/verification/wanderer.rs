@@ -15,7 +15,7 @@ use trueaxis_selection::Hypothesis;
 use crate::engine::correlation_lengths;
 use crate::engine::disturbance::With::{Campaign, Position, Sides, SidesInTime};
 use crate::engine::disturbance::{Form, Pauses, Wanderer, Who};
-use crate::extremes::extremes;
+use crate::numbers::extremes;
 use crate::verification::arrivals::{Arrival, groups_in_order};
 use crate::verification::base::{count, cycles, places};
 use crate::verification::comparison::Comparison;

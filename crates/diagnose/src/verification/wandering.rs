@@ -4,9 +4,11 @@ use trueaxis_effects::{CROSS_COUPLING, Layer, Level, POSITION_DEPENDENT_BACKLASH
 use trueaxis_selection::{ALIKE, Fit, Hypothesis, Projection, ln_f_test};
 
 use crate::engine::disturbance::{Disturbance, Form, Wanderer, Who, With};
-use crate::engine::linear::{Candidate, Chosen, without};
-use crate::engine::{JudgedDisturbance, SMOOTH_LEVEL, Smooth, Wandering, instead_of_cause, sought};
-use crate::extremes::extremes;
+use crate::engine::linear::{Candidate, Chosen};
+use crate::engine::{
+    JudgedDisturbance, SMOOTH_LEVEL, Smooth, Wandering, instead_of_cause, sought, without,
+};
+use crate::numbers::extremes;
 use crate::verification::base::{count, places};
 use crate::verification::lost_motion::beyond_drives;
 use crate::verification::problem::Problem;

@@ -15,7 +15,7 @@ use trueaxis_selection::{
 
 use crate::engine::estimated::{ByShape, beside_shape};
 use crate::engine::linear::Candidate;
-use crate::engine::with_uncertainties;
+use crate::engine::{with_uncertainties, without};
 use crate::{Cause, Rival};
 
 /// A hypothesis in the model, at one shape.
@@ -298,10 +298,4 @@ impl Beside {
         self.null
             .get_or_init(|| Null::simulated(&self.model, &self.scans))
     }
-}
-
-/// All causes except `k`.
-pub(crate) fn without(causes: &[Chosen], k: usize) -> Vec<Chosen> {
-    let others = causes.iter().enumerate().filter(|(i, _)| *i != k);
-    others.map(|(_, cause)| *cause).collect()
 }
