@@ -96,7 +96,7 @@ pub(crate) use held_out::{FOLDS, HeldOut, Squares, in_blocks, sought_again};
 pub(crate) use hypotheses::{
     TimeConstants, busy_s, duration_s, is_tested, of_catalogue, scan, scans, without_pauses,
 };
-pub(crate) use measured::{Found, Measured, Suspect, are_two};
+pub(crate) use measured::{Found, Measured, Suspect, are_two, whitened};
 pub(crate) use omnibus::{
     Family, MOST_OF_FREEDOM, OMNIBUS_LEVEL, Omnibus, is_imitation, still_left, unexplained,
     waves_of,

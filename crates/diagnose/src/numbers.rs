@@ -28,6 +28,16 @@ pub(crate) fn root_mean_square(numbers: &[f64]) -> f64 {
     (squares(numbers) / numbers.len() as f64).sqrt()
 }
 
+/// A count.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a whole number, or the part of it that is"
+)]
+pub(crate) fn whole(count: f64) -> usize {
+    count as usize
+}
+
 /// Each number once, ascending.
 pub(crate) fn distinct(numbers: impl IntoIterator<Item = usize>) -> Vec<usize> {
     let mut all: Vec<usize> = numbers.into_iter().collect();

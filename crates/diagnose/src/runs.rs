@@ -19,7 +19,7 @@ use trueaxis_selection::{Projection, f_test};
 
 use crate::engine::linear::{Among, Judged, Listed};
 use crate::engine::rms;
-use crate::numbers::{distinct, root_mean_square};
+use crate::numbers::{distinct, root_mean_square, whole};
 pub(crate) use crate::runs::contradicting::contradicting_runs;
 use crate::runs::fitted::fitted;
 use crate::runs::hypotheses::{candidates, not_observable};
@@ -83,12 +83,7 @@ fn noise_dof(calibration: &Calibration) -> f64 {
 /// Tests what a model leaves of the runs, with the probability that runs which agree differ as much; the noise of the
 /// poses has `noise_dof` degrees of freedom.
 fn test(model: &Projection, noise_dof: f64) -> OmnibusTest {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a whole number"
-    )]
-    let columns = (model.degrees_of_freedom.round() as usize).max(1);
+    let columns = whole(model.degrees_of_freedom.round()).max(1);
     let (squares, all) = (model.squares(), noise_dof + columns as f64);
     OmnibusTest {
         varies_with: "run",

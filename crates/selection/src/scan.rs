@@ -19,6 +19,17 @@ pub struct Hypothesis {
 }
 
 impl Hypothesis {
+    /// An effect on each of some subjects.
+    pub fn of_each(effect: &'static Effect, subjects: Vec<Subject>) -> Vec<Self> {
+        let count = subjects.len();
+        let of_one = |subject| Self {
+            effect,
+            subject,
+            subjects: count,
+        };
+        subjects.into_iter().map(of_one).collect()
+    }
+
     /// Whether both are the same effect on the same subject.
     pub fn is(&self, other: &Self) -> bool {
         self.effect.id == other.effect.id && self.subject == other.subject

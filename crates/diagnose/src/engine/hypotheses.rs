@@ -7,7 +7,7 @@ use trueaxis_effects::{Effect, Level, Scene, Shape, Subject, catalogue};
 use trueaxis_leastsquares::median;
 use trueaxis_selection::{FixedScan, Hypothesis, InstantScan, Projection, Scan, VisitTimes};
 
-use crate::engine::measured::{Measured, whitened};
+use crate::engine::{Measured, whitened};
 
 /// Hypotheses that the data can show, and hypotheses that they cannot show.
 pub(crate) struct Hypotheses {
@@ -26,12 +26,7 @@ pub(crate) fn of_catalogue(
     for effect in catalogue().iter().filter(of_level) {
         let mut subjects = effect.subjects(scene);
         subjects.retain(&is_wanted);
-        let count = subjects.len();
-        all.extend(subjects.into_iter().map(|subject| Hypothesis {
-            effect,
-            subject,
-            subjects: count,
-        }));
+        all.extend(Hypothesis::of_each(effect, subjects));
     }
     all
 }

@@ -9,10 +9,9 @@ use trueaxis_selection::{Projection, combined};
 
 use crate::engine::coordinate::{self, Coordinate, Shown};
 use crate::engine::disturbance::{Here, Wanderer, Who, With};
-use crate::engine::measured::whitened;
 use crate::engine::wandering::JudgedDisturbance;
 use crate::engine::wanders::units_um;
-use crate::engine::{Posterior, Wanders};
+use crate::engine::{Posterior, Wanders, whitened};
 use crate::numbers::extremes;
 use crate::{CorrelationLength, CurvePoint, Disturbance, Gain, Rival, Wandering};
 

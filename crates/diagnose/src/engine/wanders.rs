@@ -1,16 +1,15 @@
 //! Disturbances in data that are adjusted anew with each: lengths and points.
 
-use trueaxis_effects::{Displaced, Subject};
+use trueaxis_effects::{Circumstances, Displaced};
 use trueaxis_leastsquares::dot;
 use trueaxis_selection::Projection;
 
 use crate::Error;
-use crate::engine::Suspect;
-use crate::engine::coordinate::Coordinate;
+use crate::engine::coordinate::{Coordinate, moved};
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, With};
-use crate::engine::measured::{Measured, whitened};
 use crate::engine::smooth::{SMOOTH_LEVEL, Smooth, beside_all};
 use crate::engine::wandering::{JudgedDisturbance, Wandering};
+use crate::engine::{Measured, Suspect, whitened};
 
 /// Data that may have disturbances.
 pub(crate) trait Wanders: Measured + Clone + Send {
@@ -35,13 +34,8 @@ pub(crate) trait Wanders: Measured + Clone + Send {
     /// Changes of the rows by a unit of each coefficient, mm.
     fn courses_mm(&self, model: &Self::Model, wanderer: Wanderer) -> Vec<Vec<f64>>;
 
-    /// Displacements of each reading by a unit of each of some coordinates of a subject.
-    fn moved(
-        &self,
-        model: &Self::Model,
-        coordinates: &[Coordinate],
-        subject: &Subject,
-    ) -> Vec<Vec<Displaced>>;
+    /// The circumstances of a reading.
+    fn circumstances<'c>(&'c self, model: &Self::Model, reading: usize) -> Circumstances<'c>;
 
     /// The same data with disturbances in their covariance.
     fn beside(&self, disturbances: Vec<Disturbance>) -> Self;
@@ -130,7 +124,9 @@ impl<D: Wanders> Wandering for Beside<'_, D> {
 pub(crate) fn units_um<D: Wanders>(data: &D, model: &D::Model, wanderer: Wanderer) -> Vec<f64> {
     let coordinates = wanderer.coordinates(data.scene()).into_iter();
     let coordinates: Vec<Coordinate> = coordinates.map(Coordinate::without_law).collect();
-    let moved = data.moved(model, &coordinates, &wanderer.subject());
+    let (subject, readings) = (wanderer.subject(), D::projection(model).rows() / D::ROWS);
+    let moved = (0..readings).map(|i| moved(&coordinates, &subject, &data.circumstances(model, i)));
+    let moved: Vec<Vec<Displaced>> = moved.collect();
     let times = match wanderer.with {
         With::Sides | With::SidesInTime => 2.0,
         _ => 1.0,

@@ -173,18 +173,11 @@ impl<'a> Base<'a> {
     fn with_network(&self, network: Network, readings: Vec<Reading>) -> Result<Self, Error> {
         let start = solve_from(&network, &self.start)?;
         Ok(Self {
-            campaign: self.campaign,
-            scene: self.scene.clone(),
             network,
-            groups: self.groups.clone(),
-            temperatures: self.temperatures.clone(),
             readings,
             start,
-            declared: self.declared,
             left_out: Vec::new(),
-            uneven: self.uneven.clone(),
-            disturbances: self.disturbances.clone(),
-            span_s: self.span_s,
+            ..self.clone()
         })
     }
 

@@ -1,14 +1,14 @@
 //! The lengths with disturbances in their covariance.
 
 use rayon::prelude::*;
-use trueaxis_effects::{Displaced, Subject};
+use trueaxis_effects::Circumstances;
 use trueaxis_multilateration::{Noise, Solution, Whitened, solve_from};
 use trueaxis_poses::{LengthCircumstances as Reading, Observation};
 use trueaxis_selection::Projection;
 
 use crate::Error;
 use crate::engine::Wanders;
-use crate::engine::coordinate::{self, Coordinate};
+use crate::engine::coordinate::moved;
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, Who, With, targets_and_axes};
 use crate::lengths::adjusted::{Adjusted, is_projected};
 use crate::lengths::base::Base;
@@ -74,17 +74,9 @@ impl Wanders for Base<'_> {
         self.columns_of(&self.here(), &model.solution, wanderer)
     }
 
-    fn moved(
-        &self,
-        model: &Adjusted,
-        coordinates: &[Coordinate],
-        subject: &Subject,
-    ) -> Vec<Vec<Displaced>> {
-        let moved = self.readings.iter().map(|reading| {
-            let at = self.observation(reading, &model.solution).at;
-            coordinate::moved(coordinates, subject, &at)
-        });
-        moved.collect()
+    fn circumstances<'c>(&'c self, model: &Adjusted, reading: usize) -> Circumstances<'c> {
+        let reading = &self.readings[reading];
+        self.observation(reading, &model.solution).at
     }
 
     fn beside(&self, disturbances: Vec<Disturbance>) -> Self {
@@ -108,7 +100,7 @@ impl Base<'_> {
         let subject = wanderer.subject();
         wanderer.columns(&self.scene, all, |i, coordinates| {
             let Observation { at, beam } = self.observation(&self.readings[i], solution);
-            let moved = coordinate::moved(coordinates, &subject, &at);
+            let moved = moved(coordinates, &subject, &at);
             moved.iter().map(|moved| [moved.along(&beam)]).collect()
         })
     }

@@ -15,7 +15,9 @@ use rayon::prelude::*;
 use trueaxis_poses::LengthCircumstances as Reading;
 
 use crate::Error;
-use crate::engine::{FOLDS, HeldOut, Squares, Wanders, in_blocks, sought_again, wandered_mm};
+use crate::engine::{
+    FOLDS, HeldOut, Measured, Squares, Wanders, in_blocks, sought_again, wandered_mm,
+};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 

@@ -50,13 +50,9 @@ pub(crate) fn add_what_moves_instead(
         let fit_of = |own: &Hypothesis| fit(&columns(own, shape));
         let own = fit_of(&hypothesis).gained();
         if may_jump {
-            let subjects = base.scene.stations.len();
-            let jumps = (0..subjects).map(|station| Hypothesis {
-                effect: jump,
-                subject: Subject::station(station),
-                subjects,
-            });
-            let jumps = jumps.map(|jump| (jump, fit_of(&jump)));
+            let stations = (0..base.scene.stations.len()).map(Subject::station);
+            let jumps = Hypothesis::of_each(jump, stations.collect());
+            let jumps = jumps.into_iter().map(|jump| (jump, fit_of(&jump)));
             let best = jumps.max_by(|(_, a), (_, b)| a.gained().total_cmp(&b.gained()));
             let best = best.filter(|(_, fit)| own - fit.gained() < DECISIVE);
             found.rivals.extend(best.map(|(jump, fit)| {

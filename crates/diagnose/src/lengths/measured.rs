@@ -92,11 +92,13 @@ impl Measured for Base<'_> {
     }
 
     fn adjust(&self, suspects: Vec<Suspect>, noise: Option<Noise>) -> Result<Adjusted, Error> {
-        Base::adjust(self, suspects, noise)
+        self.adjust_from(None, suspects, noise)
     }
 
+    /// What the other model absorbs is used again: causes of some µm over a metre change it by a millionth.
     fn adjust_near(&self, near: &Adjusted, suspects: Vec<Suspect>) -> Result<Adjusted, Error> {
-        Base::adjust_near(self, near, suspects)
+        let near_if_projected = Some(near).filter(|near| near.is_projected());
+        self.adjust_from(near_if_projected, suspects, Some(near.network.noise))
     }
 
     fn noise(model: &Adjusted) -> Noise {

@@ -6,7 +6,7 @@ use trueaxis_poses::{LengthsAdjustment, uneven_in_words};
 
 use crate::Error;
 use crate::engine::{
-    Competed, Findings, Suspect, Wanders, add_rival_disturbances, rms, wandered_mm,
+    Competed, Findings, Measured, Suspect, Wanders, add_rival_disturbances, rms, wandered_mm,
 };
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;

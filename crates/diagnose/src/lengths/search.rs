@@ -7,7 +7,8 @@ use trueaxis_screening::Removed;
 use trueaxis_selection::{Hypothesis, Null};
 
 use crate::engine::{
-    Candidates, Omnibus, Search, compete, find_causes, is_tested, of_catalogue, scans, untested,
+    Candidates, Measured, Omnibus, Search, compete, find_causes, is_tested, of_catalogue, scans,
+    untested,
 };
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;

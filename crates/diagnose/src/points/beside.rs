@@ -1,9 +1,9 @@
 //! The points with disturbances in their covariance.
 
-use trueaxis_effects::{Displaced, Subject};
+use trueaxis_effects::Circumstances;
 
 use crate::engine::Wanders;
-use crate::engine::coordinate::{self, Coordinate};
+use crate::engine::coordinate::moved;
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, Who, With, targets_and_axes};
 use crate::points::base::Base;
 use crate::points::model::Model;
@@ -57,15 +57,8 @@ impl Wanders for Base<'_> {
         self.columns_of_unit_mm(wanderer)
     }
 
-    fn moved(
-        &self,
-        _: &Model,
-        coordinates: &[Coordinate],
-        subject: &Subject,
-    ) -> Vec<Vec<Displaced>> {
-        let all = 0..self.readings.all.len();
-        all.map(|i| coordinate::moved(coordinates, subject, &self.at(i)))
-            .collect()
+    fn circumstances<'c>(&'c self, _: &Model, reading: usize) -> Circumstances<'c> {
+        self.at(reading)
     }
 
     fn beside(&self, disturbances: Vec<Disturbance>) -> Self {
@@ -89,7 +82,7 @@ impl Base<'_> {
     pub(crate) fn columns_of_unit_mm(&self, wanderer: Wanderer) -> Vec<Vec<f64>> {
         let subject = wanderer.subject();
         wanderer.columns(self.scene, &self.here(), |i, coordinates| {
-            let moved = coordinate::moved(coordinates, &subject, &self.at(i));
+            let moved = moved(coordinates, &subject, &self.at(i));
             let in_rows = |moved| self.in_rows(i, self.shown_mm(moved)).into();
             moved.iter().map(in_rows).collect()
         })

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, SymmetricEigen};
 use trueaxis_selection::{Fit, Projection};
 
-use crate::engine::{Suspect, Wanders};
+use crate::engine::{Suspect, Wanders, whitened};
 use crate::numbers::squares;
 use crate::points::base::{Base, of_pose};
 use crate::points::noise::{Noise, StopWhitening};
@@ -59,21 +59,13 @@ impl Model {
         };
         for own in &base.disturbances {
             let columns_mm = base.columns_of_unit_mm(own.wanderer);
-            let columns = model.whitened(base, &own.scaled(base.scene, &base.here(), columns_mm));
+            let scaled = own.scaled(base.scene, &base.here(), columns_mm);
+            let columns = whitened(base, &model, scaled);
             model.bare = model.bare.beside(&columns).0;
         }
-        let columns = model.whitened(base, causes_mm);
+        let columns = whitened(base, &model, causes_mm.to_vec());
         model.projection = model.bare.extended(&columns);
         model
-    }
-
-    /// Columns whitened like those of the model.
-    pub(crate) fn whitened(&self, base: &Base<'_>, columns_mm: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let mut columns = columns_mm.to_vec();
-        columns
-            .iter_mut()
-            .for_each(|column| self.whiten(base, column));
-        columns
     }
 
     /// Whitens one column.
@@ -90,10 +82,8 @@ impl Model {
 
     /// The same with the parameters of its causes, fitted together.
     pub(crate) fn fitted(self, base: &Base<'_>, suspects: Vec<Suspect>) -> Self {
-        let fit = Fit::new(
-            &self.bare,
-            &self.whitened(base, &base.columns_of(&suspects)),
-        );
+        let columns = whitened(base, &self, base.columns_of(&suspects));
+        let fit = Fit::new(&self.bare, &columns);
         let mut first = 0;
         let of_one = |suspect: Suspect| {
             let own = first..first + suspect.parameters.len();

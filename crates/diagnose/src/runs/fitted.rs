@@ -78,7 +78,7 @@ impl Shown<'_> {
                 direction: pose.direction.map_or(1.0, |side| f64::from(side.sign())),
                 misfit: dot(&weights, &model.residuals) / unit,
                 fitted: dot(&weights, &fit.explained) / unit,
-                u: left(model, weights) / unit,
+                u: left(model, &weights) / unit,
             }
         };
         rows.map(row).collect()
@@ -97,8 +97,6 @@ impl Shown<'_> {
 }
 
 /// Length of what a model leaves of a column: the standard deviation for noise of unit variance.
-fn left(model: &Projection, column: Vec<f64>) -> f64 {
-    let mut rest = column.clone();
-    model.project(&mut rest);
-    dot(&column, &rest).max(0.0).sqrt()
+fn left(model: &Projection, column: &[f64]) -> f64 {
+    dot(column, &model.left_of(column)).max(0.0).sqrt()
 }

@@ -243,7 +243,7 @@ impl<'a> Comparison<'a> {
     }
 
     /// Half waves of the position of that axis over the range of its positions, from one on, in each group.
-    pub(crate) fn waves_of_position(&self, count: u32, groups: Vec<usize>) -> Vec<Vec<f64>> {
+    pub(crate) fn waves_of_position(&self, count: usize, groups: Vec<usize>) -> Vec<Vec<f64>> {
         let at = self.arrivals.iter().map(|a| self.travelled(a));
         waves_of(groups.into_iter().zip(at).map(Some), false, count)
     }

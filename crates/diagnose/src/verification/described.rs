@@ -22,8 +22,8 @@ fn squares_of(plain: &Problem<'_>, model: &Model<'_>, k: usize) -> f64 {
     let listed = &model.problem.listed;
     let columns = listed.columns_of(&model.causes[k]);
     let sizes = listed.sizes(&model.causes);
-    let mut effect = combined(plain.listed.base.rows(), &columns, &sizes[k].fit.estimates);
-    plain.listed.base.project(&mut effect);
+    let effect = combined(plain.listed.base.rows(), &columns, &sizes[k].fit.estimates);
+    let effect = plain.listed.base.left_of(&effect);
     dot(&effect, &effect)
 }
 

@@ -85,12 +85,8 @@ pub(crate) fn candidates<'a>(
         if effect.waves(0.0).is_some() {
             subjects.retain(|subject| is_half_turned(comparison, subject));
         }
-        for &subject in &subjects {
-            let hypothesis = Hypothesis {
-                effect,
-                subject,
-                subjects: subjects.len(),
-            };
+        for hypothesis in Hypothesis::of_each(effect, subjects) {
+            let subject = hypothesis.subject;
             let plausible = plausible(&hypothesis, &scene);
             let shapes = shapes(comparison, effect.shape, &subject);
             let is_seen = is_of_both_sides(comparison, &hypothesis);

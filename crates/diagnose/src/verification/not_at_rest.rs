@@ -6,7 +6,7 @@
 
 use trueaxis_campaign::VerificationReading;
 use trueaxis_effects::Level;
-use trueaxis_selection::{Fit, Hypothesis, Projection, ln_f_test};
+use trueaxis_selection::{Fit, Hypothesis, Projection};
 
 use crate::Rival;
 use crate::verification::arrivals::Arrival;
@@ -49,8 +49,7 @@ pub(crate) fn running(readings: &[VerificationReading], arrivals: &[Arrival]) ->
     }
     let alike = Projection::dense(runs, &[vec![1.0; stops]]);
     let fit = Fit::new(&alike, &[sides]);
-    let ln_p = ln_f_test(fit.gained(), alike.squares(), 1, alike.degrees_of_freedom);
-    (ln_p < LEVEL.ln()).then(|| Running {
+    (fit.ln_p(&alike, 1) < LEVEL.ln()).then(|| Running {
         run_um: fit.estimates[0],
         stops,
     })

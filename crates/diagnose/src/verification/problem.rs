@@ -80,8 +80,7 @@ impl<'a> Problem<'a> {
         let as_predicted = Projection::dense(observations.clone(), &columns);
         let mut variance = 0.0;
         for direction in &prediction {
-            let mut own = whiten(direction);
-            as_predicted.project(&mut own);
+            let own = as_predicted.left_of(&whiten(direction));
             variance += squares(&whitening.um(&own)) / direction.len() as f64;
         }
         for (k, direction) in prediction.iter().enumerate() {

@@ -75,8 +75,8 @@ pub(crate) fn causes(
         for parameter in &mut said.parameters {
             parameter.unit = problem.comparison.unit_of(parameter.unit);
         }
-        let mut fitted = combined(predicted.rows(), &columns, &sized.fit.estimates);
-        predicted.project(&mut fitted);
+        let fitted = combined(predicted.rows(), &columns, &sized.fit.estimates);
+        let fitted = predicted.left_of(&fitted);
         let misfit: Vec<f64> = rest.iter().zip(&fitted).map(|(a, b)| a + b).collect();
         let gain = gain_of(problem, chosen, k);
         let along_it: Vec<(f64, &[f64])> = shown_along(problem.comparison, candidate).collect();

@@ -244,9 +244,7 @@ impl<'s> Stack<'s> {
         let of_all = Fit::new(&model, &self.listed.columns_of(&causes[k])).effect;
         let explained = (0..self.all.len()).map(|number| {
             let made = self.of_series(number, &of_all);
-            let mut left = made.clone();
-            model.project(&mut left);
-            dot(&made, &left)
+            dot(&made, &model.left_of(&made))
         });
         explained.collect()
     }

@@ -4,7 +4,7 @@
 //! Steps and times count in units of their means over the pass, so that feeds may differ. At the ends of a pass it
 //! speeds up and slows down; these steps do not count.
 
-use trueaxis_selection::{Fit, Projection, ln_f_test};
+use trueaxis_selection::{Fit, Projection};
 
 use crate::numbers::mean;
 use crate::verification::arrivals::Arrival;
@@ -46,11 +46,5 @@ pub(crate) fn is_stopped(all: &[Arrival], axis: usize) -> bool {
     }
     let on_the_fly = Projection::dense(times, &[steps]);
     let fit = Fit::new(&on_the_fly, &[vec![1.0; n]]);
-    let ln_p = ln_f_test(
-        fit.gained(),
-        on_the_fly.squares(),
-        1,
-        on_the_fly.degrees_of_freedom,
-    );
-    ln_p < LEVEL.ln() && fit.estimates[0] > MOST_OF_TIME
+    fit.ln_p(&on_the_fly, 1) < LEVEL.ln() && fit.estimates[0] > MOST_OF_TIME
 }

@@ -19,6 +19,7 @@ use crate::Cause;
 use crate::cause::SIZES_DIFFER;
 use crate::engine::linear::{Among, Candidate, Chosen, Listed, MOST_CAUSES, contains};
 use crate::engine::without;
+use crate::numbers::whole;
 use crate::verification::believed::without_imitations;
 use crate::verification::joined::joint_cause;
 use crate::verification::model::has;
@@ -166,15 +167,14 @@ impl Sizes {
         let rank = (common.degrees_of_freedom - apart.degrees_of_freedom).max(0.0)
             + stack.more_shapes(&causes[k]) as f64;
         let drop = common.squares() - apart.squares();
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a count"
-        )]
-        let count = rank as usize;
         let variance = apart.squares() / apart.degrees_of_freedom.max(1.0);
         Self {
-            p_value: f_test(drop, common.squares(), count, common.degrees_of_freedom),
+            p_value: f_test(
+                drop,
+                common.squares(),
+                whole(rank),
+                common.degrees_of_freedom,
+            ),
             more: drop / (others.squares() - common.squares()),
             variances: [
                 common.squares() / common.degrees_of_freedom.max(1.0),

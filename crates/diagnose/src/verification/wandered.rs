@@ -28,8 +28,7 @@ pub(crate) fn wandered(
 ) -> Vec<Disturbance> {
     let noise_um = problem.noise_um(after);
     let report = |(own, coefficients): &(&JudgedDisturbance, Coefficients)| {
-        let mut seen = coefficients.effect.clone();
-        before.project(&mut seen);
+        let seen = before.left_of(&coefficients.effect);
         // Weighted as the misfit is.
         let rms = (squares(&seen) / problem.readings() as f64).sqrt();
         let shown = (

@@ -271,11 +271,7 @@ pub(super) fn ln_more(model: &Projection, smaller: &Score, larger: &Score) -> f6
 
 /// Whether `with`, the model extended by some form, leaves nothing of columns of which `model` leaves something.
 pub(crate) fn contains(model: &Projection, with: &Projection, columns: &[Vec<f64>]) -> bool {
-    let left = |projection: &Projection, column: &[f64]| {
-        let mut column = column.to_vec();
-        projection.project(&mut column);
-        squares(&column)
-    };
+    let left = |projection: &Projection, column: &[f64]| squares(&projection.left_of(column));
     let is_contained = |c: &Vec<f64>| left(with, c) <= CONTAINED * left(model, c);
     columns.iter().all(is_contained)
 }
