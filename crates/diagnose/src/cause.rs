@@ -188,10 +188,9 @@ impl Cause {
         let known = self.effect.effect.parameters(scene, subject);
         let first = known.first()?;
         let range = first.plausible?;
-        let coefficients = self.parameters.iter().take(known.len());
-        let is_plausible = coefficients.fold(true, |all, p| {
-            all && p.value + 2.0 * p.u >= range[0] && p.value - 2.0 * p.u <= range[1]
-        });
+        let mut coefficients = self.parameters.iter().take(known.len());
+        let is_plausible = coefficients
+            .all(|p| p.value + 2.0 * p.u >= range[0] && p.value - 2.0 * p.u <= range[1]);
         Some(Follows {
             column,
             is_plausible,

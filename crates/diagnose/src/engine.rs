@@ -87,7 +87,7 @@ pub(crate) use competition::{
     Candidates, Competed, PART, add_rival_disturbances, compete, only_wandering, price, revised,
     together,
 };
-pub(crate) use culprit::{Culprit, Culprits};
+pub(crate) use culprit::Culprit;
 pub(crate) use estimated::{ByShape, cause, derivative, with_uncertainties};
 pub(crate) use forward::{
     FURTHER_LEVEL, Forward, SHAPE_ERROR, Search, is_another, select, without,

@@ -23,7 +23,6 @@ pub(crate) fn squares_about_mean(numbers: &[f64]) -> f64 {
     numbers.iter().map(|x| (x - mean).powi(2)).sum()
 }
 
-/// The root of the mean square.
 pub(crate) fn root_mean_square(numbers: &[f64]) -> f64 {
     (squares(numbers) / numbers.len() as f64).sqrt()
 }

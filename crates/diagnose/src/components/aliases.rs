@@ -113,12 +113,8 @@ fn squares_between(set: &CurveSet, thinned: &Thinned, values: &[f64]) -> f64 {
             let of_side = |node: &(f64, f64)| node.1 * side > 0.0;
             let all = nodes.iter().zip(curve).filter(|(node, _)| of_side(node));
             let all: Vec<(f64, f64)> = all.map(|(node, value)| (node.0, *value)).collect();
-            let kept: Vec<f64> = set
-                .nodes
-                .iter()
-                .filter(|n| of_side(n))
-                .map(|n| n.0)
-                .collect();
+            let kept = set.nodes.iter().filter(|node| of_side(node));
+            let kept: Vec<f64> = kept.map(|node| node.0).collect();
             let is_kept = |at: f64| kept.binary_search_by(|own| own.total_cmp(&at)).is_ok();
             let kept: Vec<(f64, f64)> =
                 all.iter().copied().filter(|(at, _)| is_kept(*at)).collect();

@@ -187,7 +187,6 @@ impl Background {
 }
 
 impl Whitening {
-    /// Whitens a column.
     pub(crate) fn whiten(&self, column: &[f64]) -> Vec<f64> {
         self.scaled(&self.turned(column))
     }

@@ -34,7 +34,6 @@ pub(crate) struct CurveSet {
     pub(crate) nodes: Vec<(f64, f64)>,
     /// Values, µm or arcsec, curve after curve.
     pub(crate) values: Vec<f64>,
-    /// Their covariance.
     pub(crate) covariance: DMatrix<f64>,
     /// Base: what the gauge takes out.
     pub(crate) base: Vec<Vec<f64>>,
@@ -284,7 +283,6 @@ impl CurveSet {
         step_of(all.map_or(&self.nodes, |all| &all.nodes))
     }
 
-    /// Curves after the gauge.
     pub(crate) fn after_gauge(&self, curves: Vec<f64>) -> Projection {
         Projection::dense(curves, &self.base)
     }

@@ -31,9 +31,7 @@ use trueaxis_effects::Shape;
 pub(crate) struct Estimate {
     /// Linear parameters.
     pub(crate) parameters: Vec<f64>,
-    /// Their covariance.
     pub(crate) covariance: DMatrix<f64>,
-    /// The shape.
     pub(crate) shape: f64,
     /// Its standard uncertainty; zero if it is not estimated.
     pub(crate) u_shape: f64,

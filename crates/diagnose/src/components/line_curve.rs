@@ -3,7 +3,7 @@
 //! The curve contradicts nothing: it is the machine as far as known. But periodic parts, or one proportional to
 //! position, have a name, and are found as in the curves of a calibration: on a smooth background.
 
-use trueaxis_kinematics::{ARCSEC, AxisKind, Component, Ideal, MICROMETRE};
+use trueaxis_kinematics::{ARCSEC, AxisKind, Ideal, MICROMETRE};
 
 use crate::Cause;
 use crate::components::curve_set::{CurveSet, FEWEST_STEPS};
@@ -11,7 +11,7 @@ use crate::components::scene_of;
 use crate::components::search::Search;
 use crate::numbers::mean;
 use crate::verification::base::{count, lines, places};
-use crate::verification::comparison::Comparison;
+use crate::verification::comparison::{Comparison, along_itself};
 
 /// Standard deviation assumed for readings without repeats, µm: next to nothing, so that the rough rest of the curve
 /// replaces it.
@@ -34,11 +34,7 @@ pub(crate) fn diagnose_line_curve(
     }
     let machine = comparison.machine;
     let content = &machine.axes()[axis];
-    let principal = content.principal();
-    let component = match content.kind() {
-        AxisKind::Linear => Component::ALL[principal],
-        AxisKind::Rotary => Component::ALL[principal + 3],
-    };
+    let component = along_itself(content);
     let places = places(comparison);
     let count = count(&places);
     if count < FEWEST_STEPS {

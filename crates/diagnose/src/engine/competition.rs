@@ -20,8 +20,8 @@ use crate::engine::wandering::{
 };
 use crate::engine::wanders::{Beside, disturbances, least, of_wandering};
 use crate::engine::{
-    Culprit, Culprits, Found, SHAPE_ERROR, Search, Suspect, Wanders, find_causes, revise, scan,
-    scans, without,
+    Culprit, Found, SHAPE_ERROR, Search, Suspect, Wanders, find_causes, revise, scan, scans,
+    without,
 };
 
 /// Causes, and disturbances beside them.
@@ -40,9 +40,9 @@ impl<D: Wanders> Competed<D> {
 }
 
 /// The input of a search for causes.
-pub(crate) struct Candidates<'a> {
-    pub(crate) all: &'a [Hypothesis],
-    pub(crate) null: &'a Null,
+pub(crate) struct Candidates {
+    pub(crate) all: Vec<Hypothesis>,
+    pub(crate) null: Null,
 }
 
 /// The model with the largest 2 ln B. `search` has the causes found without disturbances; if there are none and all `is_quiet`, none are
@@ -51,7 +51,7 @@ pub(crate) fn compete<D: Wanders>(
     base: &D,
     is_quiet: bool,
     search: Search<D::Model>,
-    candidates: &Candidates<'_>,
+    candidates: &Candidates,
 ) -> Result<Competed<D>, Error> {
     let of_causes = |search| Competed {
         base: base.clone(),
@@ -141,7 +141,7 @@ pub(crate) const PART: f64 = 0.1;
 fn described<D: Wanders>(
     base: &D,
     mut model: Competed<D>,
-    candidates: &Candidates<'_>,
+    candidates: &Candidates,
 ) -> Result<Competed<D>, Error> {
     loop {
         let wanders_on = |found: &Found| {
@@ -151,7 +151,7 @@ fn described<D: Wanders>(
                     && found.suspect.hypothesis.is_of_time()
                     && found.statistic < SHAPE_ERROR * judged.two_ln_b;
                 let goes_on = judged.two_ln_b > PART * found.statistic
-                    && is_of(&Culprits::of(base, found), wanderer);
+                    && is_of(&Culprit::all_of(base, found), wanderer);
                 is_rest || goes_on
             })
         };
@@ -167,14 +167,14 @@ fn described<D: Wanders>(
 pub(crate) fn revised<D: Wanders>(
     base: &D,
     suspects: Vec<Suspect>,
-    candidates: &Candidates<'_>,
+    candidates: &Candidates,
 ) -> Result<Competed<D>, Error> {
     let wandering = sought(&Beside::new(base, &suspects))?;
     if suspects.is_empty() {
         return without_causes(base, wandering);
     }
     let here = base.beside(disturbances(&wandering));
-    let (found, adjusted) = revise(&here, suspects, candidates.all, candidates.null)?;
+    let (found, adjusted) = revise(&here, suspects, candidates)?;
     if found.is_empty() {
         return only_wandering(base);
     }
@@ -268,12 +268,12 @@ pub(crate) fn only_wandering<D: Wanders>(base: &D) -> Result<Competed<D>, Error>
 fn alternated<D: Wanders>(
     base: &D,
     first: Vec<JudgedDisturbance>,
-    candidates: &Candidates<'_>,
+    candidates: &Candidates,
 ) -> Result<Competed<D>, Error> {
     let here = base.beside(disturbances(&first));
     let start = here.adjust(Vec::new(), None)?;
-    let scans = scans(&here, &start, D::projection(&start), candidates.all).scans;
-    let search = find_causes(&here, start, candidates.all, &scans, candidates.null)?;
+    let scans = scans(&here, &start, D::projection(&start), &candidates.all).scans;
+    let search = find_causes(&here, start, candidates, &scans)?;
     if search.found.is_empty() {
         return Ok(Competed {
             base: here,
@@ -291,15 +291,17 @@ fn alternated<D: Wanders>(
 
 /// Whether a disturbance in time is of the thing that a cause blames: the cause may then be only part of a course
 /// that it does not describe.
-fn is_of(culprits: &Culprits, wanderer: Wanderer) -> bool {
-    culprits.any(|culprit| match (*culprit, wanderer.who, wanderer.with) {
-        (Culprit::Station(own, _), Who::Station(other), With::Occupation)
-        | (Culprit::Target(own, _), Who::Target(other), With::Campaign) => own == other,
-        (Culprit::Axis(own, by), Who::Axis(other), With::Campaign) => {
-            own == other && by.grows_axis()
-        }
-        (Culprit::EveryOccupation, Who::Machine | Who::Tripods | Who::Frame, _) => true,
-        (Culprit::Everything(by), Who::Air, _) => by.layer == Layer::Instrument,
-        _ => false,
-    })
+fn is_of(culprits: &[Culprit], wanderer: Wanderer) -> bool {
+    culprits
+        .iter()
+        .any(|culprit| match (*culprit, wanderer.who, wanderer.with) {
+            (Culprit::Station(own, _), Who::Station(other), With::Occupation)
+            | (Culprit::Target(own, _), Who::Target(other), With::Campaign) => own == other,
+            (Culprit::Axis(own, by), Who::Axis(other), With::Campaign) => {
+                own == other && by.grows_axis()
+            }
+            (Culprit::EveryOccupation, Who::Machine | Who::Tripods | Who::Frame, _) => true,
+            (Culprit::Everything(by), Who::Air, _) => by.layer == Layer::Instrument,
+            _ => false,
+        })
 }

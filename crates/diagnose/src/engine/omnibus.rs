@@ -124,11 +124,10 @@ pub(crate) fn waves_of(
     let groups = places.iter().flatten().map(|p| p.0 + 1).max().unwrap_or(0);
     let basis = Basis::within(most, with_constant);
     let mut columns = vec![vec![0.0; places.len()]; groups * basis.width()];
-    let placed = places
-        .iter()
-        .enumerate()
-        .filter_map(|(row, place)| Some((row, (*place)?)));
-    for (row, (group, x)) in placed {
+    for (row, place) in places.iter().enumerate() {
+        let Some((group, x)) = *place else {
+            continue;
+        };
         let own = &mut columns[group * basis.width()..];
         for (column, wave) in own.iter_mut().zip(basis.at(x)) {
             column[row] = wave;

@@ -56,10 +56,8 @@ impl Smooth {
             let pairs = kept.iter().flat_map(|i| kept.iter().map(move |k| (*i, *k)));
             let scaled = pairs.map(|(i, k)| matrix[i * n + k] * roots[i] * roots[k]);
             let scaled: Vec<f64> = scaled.collect();
-            let before: Vec<f64> = kept
-                .iter()
-                .map(|&k| before[k] * roots[k] * roots[k])
-                .collect();
+            let before = kept.iter().map(|&k| before[k] * roots[k] * roots[k]);
+            let before: Vec<f64> = before.collect();
             let s: Vec<f64> = kept.iter().map(|&k| along[k] * roots[k]).collect();
             let (variance, ratio) = restricted_likelihood(&scaled, &before, &s, dof);
             (spectrum, variance, ratio)

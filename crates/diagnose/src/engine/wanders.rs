@@ -34,7 +34,6 @@ pub(crate) trait Wanders: Measured + Clone + Send {
     /// Changes of the rows by a unit of each coefficient, mm.
     fn courses_mm(&self, model: &Self::Model, wanderer: Wanderer) -> Vec<Vec<f64>>;
 
-    /// The circumstances of a reading.
     fn circumstances<'c>(&'c self, model: &Self::Model, reading: usize) -> Circumstances<'c>;
 
     /// The same data with disturbances in their covariance.

@@ -96,12 +96,10 @@ impl<'a> Base<'a> {
             }
         }
         let pose = |reading: &Reading| reading.pose.map_or(still, |pose| poses[pose]);
-        let modelled: Vec<Point3<f64>> = readings
-            .all
-            .iter()
-            .map(|r| pose(r) * shapes_mm[r.shape])
-            .collect();
+        let modelled = readings.all.iter().map(|r| pose(r) * shapes_mm[r.shape]);
+        let modelled: Vec<Point3<f64>> = modelled.collect();
         let arms: Vec<Arm> = of_pose.iter().map(|own| Arm::of(own, &modelled)).collect();
+        let by_shape = |r: &Reading| pose(r).rotation.to_rotation_matrix().into_inner();
         let misfit = readings.all.iter().zip(&modelled);
         let misfit_mm = misfit.flat_map(|(r, p)| <[f64; 3]>::from(r.measured_mm - p));
         let mut base = Self {
@@ -109,11 +107,7 @@ impl<'a> Base<'a> {
             scene,
             misfit_mm: misfit_mm.collect(),
             by_pose: by_pose(&readings, &modelled, &arms),
-            by_shape: readings
-                .all
-                .iter()
-                .map(|r| pose(r).rotation.to_rotation_matrix().into_inner())
-                .collect(),
+            by_shape: readings.all.iter().map(by_shape).collect(),
             places_mm: places_mm(&readings, &modelled, &instrument_from_datum),
             instrument_from_datum,
             disturbances: Vec::new(),
@@ -237,7 +231,6 @@ impl<'a> Base<'a> {
     }
 }
 
-/// The readings of each pose.
 pub(crate) fn of_pose(readings: &Readings) -> Vec<Vec<usize>> {
     let mut of_pose = vec![Vec::new(); readings.steps.len()];
     for (i, reading) in readings.all.iter().enumerate() {

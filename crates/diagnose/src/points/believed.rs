@@ -43,9 +43,9 @@ impl<'a> Believed<'a> {
     ) -> Result<Self, Error> {
         let base = &screened.base;
         let first = scans(base, &plain, &plain.projection, all).scans;
-        let null = Null::simulated(&plain.projection, &first);
-        let search = find_causes(base, plain, all, &first, &null)?;
-        let candidates = Candidates { all, null: &null };
+        let (all, null) = (all.to_vec(), Null::simulated(&plain.projection, &first));
+        let candidates = Candidates { all, null };
+        let search = find_causes(base, plain, &candidates, &first)?;
         // No test looks at what an axis does with time.
         let mut model = compete(base, false, search, &candidates)?;
         loop {

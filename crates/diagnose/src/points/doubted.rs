@@ -67,10 +67,6 @@ pub(crate) fn doubted(
         base.readings.stops.len(),
         first_lines(lines)
     );
-    Some(Unexplained::new(
-        Level::Points,
-        rms_um,
-        vec!["reading"],
-        note,
-    ))
+    let left = Unexplained::new(Level::Points, rms_um, vec!["reading"], note);
+    Some(left)
 }

@@ -17,7 +17,6 @@ use crate::points::readings::Reading;
 /// An adjusted model.
 pub(crate) struct Model {
     pub(crate) noise: Noise,
-    /// The whitening of each stop.
     pub(crate) whitening: Arc<Vec<StopWhitening>>,
     /// Weight of each stop: 1, or practically none if it is held out.
     weights: Vec<f64>,
@@ -68,7 +67,6 @@ impl Model {
         model
     }
 
-    /// Whitens one column.
     pub(crate) fn whiten(&self, base: &Base<'_>, column: &mut [f64]) {
         whiten(base, (&self.whitening, &self.weights), column);
     }
@@ -151,10 +149,8 @@ fn eliminated(base: &Base<'_>, whiten: impl Fn(&mut Vec<f64>)) -> Projection {
     let mut residuals = base.misfit_mm.clone();
     whiten(&mut residuals);
     let own = (0..6).map(|k| {
-        let values = base
-            .by_pose
-            .iter()
-            .flat_map(|by| by.column(k).into_owned().data.0[0]);
+        let by_pose = base.by_pose.iter();
+        let values = by_pose.flat_map(|by| by.column(k).into_owned().data.0[0]);
         let mut column: Vec<f64> = values.collect();
         whiten(&mut column);
         column
@@ -188,14 +184,9 @@ fn eliminated(base: &Base<'_>, whiten: impl Fn(&mut Vec<f64>)) -> Projection {
         }
         for column in shapes.iter_mut().chain([&mut residuals]) {
             for k in 0..unit.ncols() {
-                let along: f64 = of
-                    .iter()
-                    .enumerate()
-                    .map(|(i, &r)| unit[(i, k)] * column[r])
-                    .sum();
-                of.iter()
-                    .enumerate()
-                    .for_each(|(i, &r)| column[r] -= along * unit[(i, k)]);
+                let rows = || of.iter().enumerate();
+                let along: f64 = rows().map(|(i, &r)| unit[(i, k)] * column[r]).sum();
+                rows().for_each(|(i, &r)| column[r] -= along * unit[(i, k)]);
             }
         }
     }

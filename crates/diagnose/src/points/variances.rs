@@ -72,10 +72,8 @@ impl Part {
         if self.0.iter().any(|&(s, r)| r < TOLD_APART || s <= 0.0) {
             return false;
         }
-        let (squares, redundancy) = self
-            .0
-            .iter()
-            .fold((0.0, 0.0), |sum, p| (sum.0 + p.0, sum.1 + p.1));
+        let sum = |of: fn(&(f64, f64)) -> f64| self.0.iter().map(of).sum::<f64>();
+        let (squares, redundancy) = (sum(|p| p.0), sum(|p| p.1));
         let of_each = self.0.iter().map(|(s, r)| r * (s / r).ln());
         let statistic = redundancy * (squares / redundancy).ln() - of_each.sum::<f64>();
         chi_squared_upper_tail(statistic, FREE) < DIFFER
@@ -85,11 +83,8 @@ impl Part {
 impl Model {
     /// With columns of causes (mm) and the noise that they leave.
     pub(crate) fn estimated(base: &Base<'_>, causes_mm: &[Vec<f64>]) -> Self {
-        let declared_mm = base
-            .campaign
-            .instrument
-            .repeatability_um
-            .map(|um| um * 1e-3);
+        let declared_um = base.campaign.instrument.repeatability_um;
+        let declared_mm = declared_um.map(|um| um * 1e-3);
         let unit = Noise {
             own_mm: [1e-3; 3],
             return_mm: [declared_mm.unwrap_or(1e-3); 3],

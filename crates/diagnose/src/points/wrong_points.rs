@@ -59,11 +59,8 @@ pub fn without_wrong_points(campaign: &Campaign, by_direction: bool) -> Option<W
     let mut kept: Vec<KeptWrongPoint> = Vec::new();
     for of_step in gross.chunk_by(|a, b| a.step == b.step) {
         let own = of_step.iter().flat_map(|own| &own.points);
-        let with_own: Vec<usize> = removed
-            .iter()
-            .copied()
-            .chain(own.map(|p| p.number))
-            .collect();
+        let own: Vec<usize> = own.map(|point| point.number).collect();
+        let with_own = [&removed[..], &own].concat();
         let wrong = of_step.iter().flat_map(Gross::rejected);
         if has_poses(campaign, points, &with_own, by_direction) {
             removed = with_own;

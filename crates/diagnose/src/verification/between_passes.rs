@@ -88,11 +88,8 @@ pub(crate) fn variance_um2(
     if counts.contains(&0.0) || freedom < LEAST_OF_PASSES {
         return alone_um2;
     }
-    let total: f64 = passes
-        .means_um
-        .iter()
-        .map(|own| squares_about_mean(own))
-        .sum();
+    let of_each = passes.means_um.iter();
+    let total: f64 = of_each.map(|own| squares_about_mean(own)).sum();
     let readings = problem.readings() as f64;
     let rho = problem.whitening.correlation;
     let of_reading_um2 = problem.rms_um(after).powi(2) * (1.0 + rho) / (1.0 - rho);

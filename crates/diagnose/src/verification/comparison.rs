@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use trueaxis_campaign::{Direction, Verification, VerificationKind};
 use trueaxis_effects::{CROSS_COUPLING, Circumstances, GivenEffect, Shape, Subject};
-use trueaxis_kinematics::{AxisKind, Ideal, MICROMETRE, Machine};
+use trueaxis_kinematics::{Axis, AxisKind, Component, Ideal, MICROMETRE, Machine};
 use trueaxis_predict::{
     CalibratedMachine, MeasuredPoint, carrier, predicted_reading_um, stands_alike,
 };
@@ -292,6 +292,14 @@ fn calibrated_at(calibration: &CalibratedMachine) -> BTreeMap<usize, Vec<f64>> {
         (axis, positions.collect())
     });
     all.collect()
+}
+
+/// The error of an axis along or about itself.
+pub(crate) fn along_itself(axis: &Axis) -> Component {
+    match axis.kind() {
+        AxisKind::Linear => Component::ALL[axis.principal()],
+        AxisKind::Rotary => Component::ALL[axis.principal() + 3],
+    }
 }
 
 /// The side that the measured axis of a line came from.

@@ -102,13 +102,8 @@ pub(crate) fn doubted(problem: &Problem<'_>, after: &Projection) -> Option<Unexp
         far.len(),
         first_lines(lines)
     );
-    let varies_with = vec!["reading"];
-    Some(Unexplained::new(
-        Level::Verification,
-        rms_um,
-        varies_with,
-        note,
-    ))
+    let left = Unexplained::new(Level::Verification, rms_um, vec!["reading"], note);
+    Some(left)
 }
 
 /// Number of sides: sets of cells that no pass connects.

@@ -244,16 +244,9 @@ impl Screen<'_> {
         let own = all.remove(own);
         let size_um = size_um(&own.outliers);
         let off = |outlier: &Outlier| off[outlier.arrival].map(|off| off.abs() > STAYS * size_um);
-        let is_off = own
-            .outliers
-            .iter()
-            .all(|outlier| off(outlier) == Some(true));
-        let is_in_order = |rival: &Outliers| {
-            rival
-                .outliers
-                .iter()
-                .any(|outlier| off(outlier) == Some(false))
-        };
+        let is_off = own.outliers.iter().all(|own| off(own) == Some(true));
+        let is_in_order =
+            |rival: &Outliers| rival.outliers.iter().any(|own| off(own) == Some(false));
         all.retain(|rival| {
             let is_other = !rival.outliers.iter().any(is_own);
             is_other && rival.drop >= ALIKE * own.drop && !(is_off && is_in_order(rival))

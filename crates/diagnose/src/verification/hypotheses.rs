@@ -6,7 +6,6 @@ use trueaxis_campaign::VerificationKind;
 use trueaxis_effects::{
     BACKLASH, CROSS_COUPLING, Level, POSITION_DEPENDENT_BACKLASH, Scene, Shape, Subject, catalogue,
 };
-use trueaxis_kinematics::{AxisKind, Component};
 use trueaxis_leastsquares::median;
 use trueaxis_selection::{Hypothesis, ShapeColumns, middle};
 
@@ -14,7 +13,7 @@ use crate::engine::linear::{Candidate, Finer};
 use crate::engine::{TimeConstants, plausible, without_pauses};
 use crate::numbers::distinct;
 use crate::verification::arrivals::Arrival;
-use crate::verification::comparison::Comparison;
+use crate::verification::comparison::{Comparison, along_itself};
 use crate::verification::lost_motion;
 use crate::verification::one_side;
 use crate::verification::order::goes_against_its_sides;
@@ -155,12 +154,7 @@ fn is_seen(comparison: &Comparison<'_>, subject: &Subject) -> bool {
     if subject.other_axis.is_some() {
         return false;
     }
-    let content = &comparison.machine.axes()[axis];
-    let principal = content.principal();
-    let own = match content.kind() {
-        AxisKind::Linear => Component::ALL[principal],
-        AxisKind::Rotary => Component::ALL[principal + 3],
-    };
+    let own = along_itself(&comparison.machine.axes()[axis]);
     match comparison.kind {
         VerificationKind::Positioning { .. } => component == own,
         VerificationKind::Ballbar { .. } => component == own || !component.is_angular(),

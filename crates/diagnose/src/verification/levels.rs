@@ -71,12 +71,8 @@ pub(crate) fn levels(problem: &Problem<'_>) -> Option<Unexplained> {
         seen.jumps,
         seen.noise_um
     );
-    Some(Unexplained::new(
-        Level::Verification,
-        seen.half_um,
-        vec!["time"],
-        note,
-    ))
+    let left = Unexplained::new(Level::Verification, seen.half_um, vec!["time"], note);
+    Some(left)
 }
 
 /// Whether more than a few tables of noise alone look as much like two levels.

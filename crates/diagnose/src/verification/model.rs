@@ -17,7 +17,6 @@ pub(crate) struct Model<'a> {
     pub(crate) as_good: Vec<Vec<Chosen>>,
 }
 
-/// Only disturbances.
 pub(crate) fn only<'a>(plain: &Problem<'a>, wandering: Vec<JudgedDisturbance>) -> Model<'a> {
     Model {
         problem: plain.beside(&wandering),

@@ -50,9 +50,8 @@ pub(crate) fn by_pauses(
     }
     let is_lost_motion = lost_motion::is_of_line(comparison, own);
     let is_of_time = |cause: &Chosen| listed.hypothesis(cause).is_of_time();
-    let wanders = wandering
-        .iter()
-        .any(|own| own.wanderer().with == With::Campaign);
+    let mut all = wandering.iter();
+    let wanders = all.any(|own| own.wanderer().with == With::Campaign);
     let goes_on = wanders || causes.iter().any(is_of_time);
     if !is_lost_motion || !goes_on {
         return None;
@@ -69,11 +68,8 @@ pub(crate) fn by_pauses(
         return None;
     }
     let paused = listed.on(listed.base.extended(&offsets(problem, &cycles, wandering)));
-    let without_time: Vec<Chosen> = causes
-        .iter()
-        .filter(|cause| !is_of_time(cause))
-        .copied()
-        .collect();
+    let without_time = causes.iter().filter(|cause| !is_of_time(cause));
+    let without_time: Vec<Chosen> = without_time.copied().collect();
     let sized = |among: &[Chosen], place: usize| paused.sizes(among).swap_remove(place).fit;
     let number = without_time.iter().position(|cause| *cause == causes[k])?;
     let all_in_pauses = sized(&without_time, number);
@@ -197,10 +193,8 @@ fn offsets(
         let slopes: Vec<Vec<f64>> = offsets.iter().map(slope).collect();
         offsets.extend(slopes);
     }
-    offsets
-        .iter()
-        .map(|offset| problem.whiten(offset))
-        .collect()
+    let whitened = offsets.iter().map(|offset| problem.whiten(offset));
+    whitened.collect()
 }
 
 impl ByPauses {

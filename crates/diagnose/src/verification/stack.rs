@@ -258,10 +258,8 @@ impl<'s> Stack<'s> {
         let of_members: Vec<f64> = of_members.collect();
         let mean = of_members.iter().sum::<f64>() / of_members.len().max(1) as f64;
         let least = (SHOWN * mean).min(self.of_noise(&causes[k]));
-        explained
-            .into_iter()
-            .map(|explained| explained > least)
-            .collect()
+        let shows = explained.into_iter().map(|explained| explained > least);
+        shows.collect()
     }
 
     /// What the columns of a cause explain of noise, squares.
