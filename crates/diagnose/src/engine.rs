@@ -105,7 +105,7 @@ pub(crate) use opposed::{are_opposed, fitted_effects};
 pub(crate) use places::{Misfits, side};
 pub(crate) use ranking::{Ranking, plausible, rivals};
 pub(crate) use report::{Findings, rms};
-pub(crate) use search::{find_causes, revise};
+pub(crate) use search::{find_causes, revise, with_parameters};
 pub(crate) use smooth::{Posterior, SMOOTH_LEVEL, Smooth, beside_all, correlation_lengths};
 pub(crate) use unseen::{in_words, unseen, untested, without_trace};
 pub(crate) use wandered::{Coefficients, wandered};

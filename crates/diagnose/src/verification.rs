@@ -154,23 +154,22 @@ pub(crate) fn diagnose_verification(
         }
         kept.push(verification);
     }
-    let comparisons = kept.iter().map(|verification| {
-        let comparison = Comparison::new(machine, verification, calibration);
-        (verification.name.as_str(), comparison)
-    });
-    let comparisons: Vec<(&str, Comparison<'_>)> = comparisons.collect();
+    let comparisons = kept
+        .iter()
+        .map(|own| Comparison::new(machine, own, calibration));
+    let comparisons: Vec<Comparison<'_>> = comparisons.collect();
     // Each is judged by itself, and all together if there are several.
     let looks = comparisons.len() + usize::from(comparisons.len() > 1);
     let level = LEVEL / looks.max(1) as f64;
-    let judged = comparisons.iter().filter_map(|(name, comparison)| {
+    let judged = comparisons.iter().filter_map(|comparison| {
         let asked = (level, explain_curves);
-        judged_alone(name, comparison, calibration, scene, asked, &mut outcome)
+        judged_alone(comparison, calibration, scene, asked, &mut outcome)
     });
     let mut all: Vec<Series<'_>> = judged.collect();
-    let shared = together(&mut all, calibration, scene, level);
+    let shared = together(&mut all, calibration);
     let entry = |(number, series): (usize, &Series<'_>)| {
         let first: Vec<usize> = shared.iter().filter_map(|s| s.candidates[number]).collect();
-        series.entry(scene, &first)
+        series.entry(&first)
     };
     outcome.entries = all.iter().enumerate().map(entry).collect();
     outcome.notices.extend(alike_scales(&outcome.entries, &all));
@@ -182,9 +181,9 @@ pub(crate) fn diagnose_verification(
             continue;
         };
         let comparison = Comparison::new(machine, verification, calibration);
-        let (name, asked, mut aside) = (&verification.name, (level, false), Said::default());
-        let series = judged_alone(name, &comparison, calibration, scene, asked, &mut aside);
-        let other = series.map(|series| series.entry(scene, &[]));
+        let (asked, mut aside) = ((level, false), Said::default());
+        let series = judged_alone(&comparison, calibration, scene, asked, &mut aside);
+        let other = series.map(|series| series.entry(&[]));
         doubt(entry, other.as_ref(), &comparison, &are_open);
     }
     outcome
@@ -217,13 +216,13 @@ fn leave_gross_errors_out(
 
 /// One verification judged by itself; `None`, with a notice, for too few data. `level` is its share of the level.
 fn judged_alone<'a>(
-    name: &'a str,
     comparison: &'a Comparison<'a>,
     calibration: Option<&CalibratedMachine>,
-    scene: &Scene,
+    scene: &'a Scene,
     (level, explain_curves): (f64, bool),
     outcome: &mut Said,
 ) -> Option<Series<'a>> {
+    let name = comparison.name;
     if let Some(mistake) = units::mistake(comparison) {
         outcome.notices.push(format!(
             "{name}: {mistake}; it is not judged: correct the table first"
@@ -259,9 +258,7 @@ fn judged_alone<'a>(
         Problem::new(comparison, scene, calibration, level, noise, digit)
     };
     let curve = match calibration {
-        None if explain_curves => {
-            diagnose_line_curve(comparison, floor_um, name, &mut outcome.notices)
-        }
+        None if explain_curves => diagnose_line_curve(comparison, floor_um, &mut outcome.notices),
         _ => None,
     };
     let is_explained = curve.is_some();
@@ -285,12 +282,12 @@ fn judged_alone<'a>(
         ));
         return None;
     }
-    let mut found = Series::new(name, plain);
+    let mut found = Series::new(plain);
     if floor_um.is_none() {
         // Then what is left with the causes in the model replaces it.
         for _ in 0..2 {
             let left_um = found.left_um().max(resolution_um);
-            found = Series::new(name, posed(Noise::white(left_um)));
+            found = Series::new(posed(Noise::white(left_um)));
         }
         found.noise_floor_um = found.left_um().max(resolution_um);
     }
@@ -299,7 +296,7 @@ fn judged_alone<'a>(
         true => None,
         false => alike_neighbours(&found, |noise| {
             let sigma_um = noise.sigma_um.max(resolution_um);
-            Series::new(name, posed(Noise { sigma_um, ..noise }))
+            Series::new(posed(Noise { sigma_um, ..noise }))
         }),
     };
     if let Some(correlated) = correlated {
@@ -348,7 +345,7 @@ fn judged_alone<'a>(
             "{name}: without time_s its rows were taken as a step cycle, position after position from either side in turn, but cycles differ, as those of an axis that went there and back do; then give time_s, or the rows in the order of measuring"
         ));
     }
-    let unseen = not_observable(&found.plain, scene, name);
+    let unseen = not_observable(&found.plain);
     // What the mean curve absorbs was sought in the curve itself.
     let is_of_curve =
         |own: &Effect| own.levels.contains(&Level::Components) && !own.is_lost_motion();

@@ -25,7 +25,6 @@ const MOST_STEPS_APART: f64 = 3.0;
 pub(crate) fn diagnose_line_curve(
     comparison: &Comparison<'_>,
     noise_um: Option<f64>,
-    name: &str,
     notices: &mut Vec<String>,
 ) -> Option<Vec<Cause>> {
     let axis = comparison.line()?;
@@ -79,10 +78,10 @@ pub(crate) fn diagnose_line_curve(
     if largest > MOST_STEPS_APART * set.measured_step() {
         return None;
     }
-    notices.extend(set.notice(name));
+    notices.extend(set.notice(comparison.name));
     let mut causes = Search::new(&scene_of(machine, vec![axis]), vec![set]).causes();
     for cause in &mut causes {
-        cause.data = vec![format!("mean curve of {name}")];
+        cause.data = vec![format!("mean curve of {}", comparison.name)];
     }
     Some(causes)
 }

@@ -123,7 +123,7 @@ fn fitted(set: &CurveSet, effect: &[f64], scene: &Scene) -> Option<Fitted> {
     let values = values.into_iter().zip(effect).enumerate();
     let rows: Vec<Row> = values.map(row).collect();
     let name = |k: usize| set.components[k].name(set.content.name());
-    let fitted = Fitted::new(&rows, name, scene)?;
+    let fitted = Fitted::new(&rows, 1, name, scene)?;
     Some(fitted.of_angles(set.components[0].is_angular()))
 }
 

@@ -55,7 +55,7 @@ pub(crate) fn revise<D: Measured>(
 }
 
 /// Causes with their parameters beside each other.
-fn with_parameters<D: Measured>(found: &mut [Found], model: &D::Model) {
+pub(crate) fn with_parameters<D: Measured>(found: &mut [Found], model: &D::Model) {
     for (found, suspect) in found.iter_mut().zip(D::suspects(model)) {
         found.suspect = suspect.clone();
     }

@@ -58,7 +58,8 @@ pub(crate) fn fitted(
             base.scene.stations[station]
         )
     };
-    Fitted::new(if is_given { &given } else { &alone }, name, &base.scene)
+    let rows = if is_given { &given } else { &alone };
+    Fitted::new(rows, 1, name, &base.scene)
 }
 
 /// Each value less what the others of its visit predict of it, and the standard deviation of the difference by noise,

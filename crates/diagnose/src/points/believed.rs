@@ -5,7 +5,7 @@ use trueaxis_selection::{Fit, Hypothesis, Null};
 use crate::Error;
 use crate::engine::{
     Candidates, Competed, Found, HeldOut, Measured, OMNIBUS_LEVEL, Omnibus, Search, Suspect,
-    compete, find_causes, is_imitation, revised, scans, still_left,
+    compete, find_causes, is_imitation, revised, scans, still_left, with_parameters,
 };
 use crate::points::base::Base;
 use crate::points::doubted::robust_sigma;
@@ -98,9 +98,7 @@ impl<'a> Believed<'a> {
                 found.clear();
             }
             search.adjusted = base.adjust(suspects(found), None)?;
-            for (found, suspect) in found.iter_mut().zip(&search.adjusted.suspects) {
-                found.suspect = suspect.clone();
-            }
+            with_parameters::<Base<'_>>(found, &search.adjusted);
         }
     }
 

@@ -33,7 +33,7 @@ pub(super) fn fitted(
     let runs = runs.iter().map(|shown| (shown, shown.rows(judged)));
     let shown = runs.max_by(|(_, a), (_, b)| variation(a).total_cmp(&variation(b)));
     let (shown, rows) = shown?;
-    let fitted = Fitted::of_coordinates(&rows, 3, |group| shown.name(group, scene), scene)?;
+    let fitted = Fitted::new(&rows, 3, |group| shown.name(group, scene), scene)?;
     Some(fitted.of_angles(shown.is_angular))
 }
 

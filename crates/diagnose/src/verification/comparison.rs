@@ -26,6 +26,8 @@ const ROUNDING_UM: f64 = 1e-9;
 pub(crate) struct Comparison<'a> {
     /// The machine, with the reference points of the calibration.
     pub(crate) machine: &'a Machine,
+    /// The name of the verification.
+    pub(crate) name: &'a str,
     /// What was measured.
     pub(crate) kind: &'a VerificationKind,
     /// The readings as arrivals: when, where and how much.
@@ -89,6 +91,7 @@ impl<'a> Comparison<'a> {
             .filter(|own| own.effect == CROSS_COUPLING.id);
         let mut comparison = Self {
             machine,
+            name: &verification.name,
             kind,
             passes,
             range: [0.0; 2],

@@ -4,7 +4,6 @@
 //! the same. The catalogue has that drift among lengths, where stations and axes tell the two apart.
 
 use trueaxis_effects::{ResolvedEffect, Subject, effect};
-use trueaxis_kinematics::AxisKind;
 use trueaxis_selection::Hypothesis;
 
 use crate::Rival;
@@ -20,7 +19,7 @@ pub(crate) fn instead(
     (parameters, delta_bic): (&[f64], f64),
 ) -> Option<Rival> {
     let axis = comparison.line()?;
-    let is_linear = comparison.machine.axes()[axis].kind() == AxisKind::Linear;
+    let is_linear = !comparison.is_of_rotary_axis();
     let grows = hypothesis.effect.grows_axis() && hypothesis.subject.axis == Some(axis);
     let effect = effect("refraction_drift").filter(|_| is_linear && grows)?;
     if parameters.iter().any(|ppm| ppm.abs() > MOST_PPM) {

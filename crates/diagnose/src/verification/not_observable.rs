@@ -1,6 +1,6 @@
 //! Effects that a verification cannot show. They may be present all the same.
 
-use trueaxis_effects::{Parameter, Scene, Shape};
+use trueaxis_effects::{Parameter, Shape};
 use trueaxis_files::round;
 use trueaxis_selection::Hypothesis;
 
@@ -14,20 +14,16 @@ use crate::verification::problem::Problem;
 const REACHES_UM: f64 = 1e-9;
 
 /// All such effects of a problem.
-pub(crate) fn not_observable(
-    problem: &Problem<'_>,
-    scene: &Scene,
-    name: &str,
-) -> Vec<NotObservable> {
+pub(crate) fn not_observable(problem: &Problem<'_>) -> Vec<NotObservable> {
     let beside = problem.listed.beside(&[]);
     let mut all = Vec::new();
     for (number, candidate) in problem.listed.candidates.iter().enumerate() {
         let own = &candidate.hypothesis;
         if beside.numbers.contains(&number) {
-            all.extend(too_short(problem, scene, name, own));
+            all.extend(too_short(problem, own));
             continue;
         }
-        let bias = largest(problem, scene, own);
+        let bias = largest(problem, own);
         let why = if !is_of_both_sides(problem.comparison, own) {
             "the axis came from one side only".to_owned()
         } else if bias.is_empty() {
@@ -36,8 +32,8 @@ pub(crate) fn not_observable(
             let absorbed = absorbed(problem.comparison, problem.calibrated);
             format!("{absorbed} absorbs all that it does")
         };
-        let reason = format!("{name}: {why}");
-        let subject = in_words(&own.subject, scene);
+        let reason = format!("{}: {why}", problem.comparison.name);
+        let subject = in_words(&own.subject, problem.scene);
         all.push(unseen(own.effect, subject, reason, bias));
     }
     all
@@ -56,13 +52,13 @@ fn not_reached(problem: &Problem<'_>, own: &Hypothesis) -> &'static str {
 }
 
 /// Largest change of a reading for one unit of each parameter.
-fn largest(problem: &Problem<'_>, scene: &Scene, own: &Hypothesis) -> Vec<(String, String)> {
+fn largest(problem: &Problem<'_>, own: &Hypothesis) -> Vec<(String, String)> {
     let shape = match own.effect.shape {
         Shape::Fixed => 0.0,
         Shape::Instant => f64::NEG_INFINITY,
         _ => 1.0,
     };
-    let parameters = own.parameters(scene).into_iter().enumerate();
+    let parameters = own.parameters(problem.scene).into_iter().enumerate();
     let largest = parameters.filter_map(|(k, Parameter { name, unit, .. })| {
         let column = problem.comparison.column(own, k, shape);
         let largest = column.iter().fold(0.0_f64, |max, x| max.max(x.abs()));
@@ -74,18 +70,14 @@ fn largest(problem: &Problem<'_>, scene: &Scene, own: &Hypothesis) -> Vec<(Strin
 }
 
 /// Periods down to two steps are shown, shorter ones are not.
-fn too_short(
-    problem: &Problem<'_>,
-    scene: &Scene,
-    name: &str,
-    own: &Hypothesis,
-) -> Option<NotObservable> {
+fn too_short(problem: &Problem<'_>, own: &Hypothesis) -> Option<NotObservable> {
     let axis = own.subject.axis;
     let axis = axis.filter(|_| own.effect.shape == Shape::Period)?;
     let [_, step] = sampling(problem.comparison, axis)?;
-    let kind = scene.machine.axes()[axis].kind();
+    let kind = problem.scene.machine.axes()[axis].kind();
     let reason = format!(
-        "{name}: periods below {} {}, two steps of the readings",
+        "{}: periods below {} {}, two steps of the readings",
+        problem.comparison.name,
         round(2.0 * kind.position_in_file(step), 4),
         kind.position_unit()
     );
@@ -93,6 +85,11 @@ fn too_short(
         "read a short stretch in steps of a tenth of the screw pitch or of the grating period";
     Some(NotObservable {
         measure: measure.to_owned(),
-        ..unseen::<String>(own.effect, in_words(&own.subject, scene), reason, [])
+        ..unseen::<String>(
+            own.effect,
+            in_words(&own.subject, problem.scene),
+            reason,
+            [],
+        )
     })
 }

@@ -4,7 +4,7 @@
 //! constant follows both. So the length of the pauses is one more unknown: for some lengths the time constants are
 //! sought again, and the values that likely lengths give are in the uncertainty.
 
-use trueaxis_effects::{Scene, Shape};
+use trueaxis_effects::Shape;
 use trueaxis_selection::Fit;
 
 use crate::engine::linear::{Chosen, Listed};
@@ -25,7 +25,7 @@ const LIKELY: f64 = 4.0;
 /// Distance of the farthest values that likely pauses give cause `k`, which warms up, from those that are stated;
 /// nothing where there is one cycle.
 pub(crate) fn farthest_by_pauses(
-    (problem, scene): (&Problem<'_>, &Scene),
+    problem: &Problem<'_>,
     causes: &[Chosen],
     (k, fit): (usize, &Fit),
     variance: f64,
@@ -36,7 +36,7 @@ pub(crate) fn farthest_by_pauses(
     if count(&cycles) > 1 {
         values.extend(LENGTHS.iter().filter_map(|&length| {
             let paused = paused(comparison, &cycles, length);
-            let candidates = candidates(&paused, scene, problem.whitening);
+            let candidates = candidates(&paused, problem.scene, problem.whitening);
             let listed = Listed::new(listed.base.clone(), candidates.into());
             let all = converged(&listed, causes.to_vec())?;
             let others = listed.with(&without(&all, k));

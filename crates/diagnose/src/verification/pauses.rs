@@ -7,7 +7,7 @@
 //! the drift, which over five cycles is a fifth smaller where all of it passes in pauses of one length. Of two cycles
 //! the second extreme is a jump between them, which a clock does not exclude.
 
-use trueaxis_effects::{BACKLASH, Level, POSITION_DEPENDENT_BACKLASH, Scene, Shape};
+use trueaxis_effects::{BACKLASH, Level, POSITION_DEPENDENT_BACKLASH, Shape};
 use trueaxis_selection::{Fit, Hypothesis, Score};
 
 use crate::Rival;
@@ -32,7 +32,7 @@ pub(crate) struct ByPauses {
 /// What pauses leave of cause `k` with its fit to observations of this variance: of what goes with the progress of
 /// time or warms up, or of lost motion beside causes in time or disturbances; `None` where pauses do not matter.
 pub(crate) fn by_pauses(
-    (problem, scene): (&Problem<'_>, &Scene),
+    problem: &Problem<'_>,
     (causes, wandering): (&[Chosen], &[JudgedDisturbance]),
     (k, fit): (usize, &Fit),
     (two_ln_b, variance): (f64, f64),
@@ -42,7 +42,7 @@ pub(crate) fn by_pauses(
     if !comparison.timed && own.effect.shape == Shape::TimeConstant {
         return Some(ByPauses {
             rivals: Vec::new(),
-            shift: farthest_by_pauses((problem, scene), causes, (k, fit), variance),
+            shift: farthest_by_pauses(problem, causes, (k, fit), variance),
         });
     }
     if !comparison.timed && goes_with_progress(own) {

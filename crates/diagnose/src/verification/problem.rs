@@ -29,6 +29,7 @@ use crate::verification::whitening::Whitening;
 /// What is to be explained, and what may explain it.
 pub(crate) struct Problem<'a> {
     pub(crate) comparison: &'a Comparison<'a>,
+    pub(crate) scene: &'a Scene,
     /// Whether the prediction is that of a calibration.
     pub(crate) calibrated: bool,
     /// Whether disturbances are in the covariance.
@@ -56,7 +57,7 @@ impl<'a> Problem<'a> {
     /// With the standard uncertainty from the last digit and the noise it hides; `level` is that of false alarms.
     pub(crate) fn new(
         comparison: &'a Comparison<'a>,
-        scene: &Scene,
+        scene: &'a Scene,
         calibration: Option<&CalibratedMachine>,
         level: f64,
         Noise {
@@ -99,6 +100,7 @@ impl<'a> Problem<'a> {
             as_predicted,
             prediction_u_um: (!prediction.is_empty()).then(|| variance.sqrt()),
             comparison,
+            scene,
             calibrated: calibration.is_some(),
             wanders: false,
             families: families(comparison, whitening).into(),

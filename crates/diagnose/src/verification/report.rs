@@ -1,6 +1,6 @@
 //! What was found in one verification, as the outcome states it.
 
-use trueaxis_effects::{Level, ResolvedEffect, Scene};
+use trueaxis_effects::{Level, ResolvedEffect};
 use trueaxis_selection::{Fit, Projection, add, combined};
 
 use crate::engine::linear::{Chosen, Listed};
@@ -27,7 +27,6 @@ pub(crate) fn rms_of_readings_um(problem: &Problem<'_>, column: &[f64]) -> f64 {
 /// it is; the disturbances `wandering` are beside them, and `wandered` is their effect, whitened.
 pub(crate) fn causes(
     problem: &Problem<'_>,
-    scene: &Scene,
     chosen: &[Chosen],
     (predicted, after): (&Projection, &Projection),
     (wandering, wandered): (&[JudgedDisturbance], &[f64]),
@@ -50,9 +49,9 @@ pub(crate) fn causes(
         let Some(judged) = problem.listed.judge(chosen, k) else {
             continue;
         };
-        let level = (scene, Level::Verification);
+        let level = (problem.scene, Level::Verification);
         let by_pauses = by_pauses(
-            (problem, scene),
+            problem,
             (chosen, wandering),
             (k, &sized.fit),
             (judged.score.two_ln_b, variance),
@@ -107,7 +106,7 @@ pub(crate) fn causes(
             .concat(),
             curve,
             mean_lost_motion,
-            fitted: shown(problem, scene, &misfit, &fitted),
+            fitted: shown(problem, &misfit, &fitted),
             ..said
         });
     }
@@ -115,7 +114,7 @@ pub(crate) fn causes(
 }
 
 /// The misfit without a cause, and what its fit explains.
-fn shown(problem: &Problem<'_>, scene: &Scene, misfit: &[f64], fitted: &[f64]) -> Option<Fitted> {
+fn shown(problem: &Problem<'_>, misfit: &[f64], fitted: &[f64]) -> Option<Fitted> {
     let arrivals = problem.comparison.arrivals.iter().enumerate();
     let (misfit, fitted) = (problem.um(misfit), problem.um(fitted));
     let row = |(i, arrival): (usize, &Arrival)| {
@@ -133,7 +132,7 @@ fn shown(problem: &Problem<'_>, scene: &Scene, misfit: &[f64], fitted: &[f64]) -
         }
     };
     let rows: Vec<Row> = arrivals.map(row).collect();
-    let fitted = Fitted::new(&rows, |_| String::new(), scene)?;
+    let fitted = Fitted::new(&rows, 1, |_| String::new(), problem.scene)?;
     let against = match fitted.against {
         Against::Time if !problem.comparison.timed => Against::Order,
         against => against,
