@@ -57,7 +57,7 @@
 //! - [`estimated`]: parameters with their uncertainties, shapes included.
 
 mod accidents;
-mod basis;
+pub(crate) mod basis;
 mod between;
 mod competition;
 pub(crate) mod coordinate;

@@ -1,4 +1,4 @@
-//! Range, mean and squares of some numbers.
+//! Range, mean, squares and the like of some numbers.
 
 /// The smallest and the largest of some numbers; ∞ and -∞ if there are none.
 pub(crate) fn extremes(numbers: impl IntoIterator<Item = f64>) -> [f64; 2] {
@@ -27,11 +27,11 @@ pub(crate) fn root_mean_square(numbers: &[f64]) -> f64 {
     (squares(numbers) / numbers.len() as f64).sqrt()
 }
 
-/// A count.
+/// The whole part of what counts something.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "a whole number, or the part of it that is"
+    reason = "counts are small and not negative"
 )]
 pub(crate) fn whole(count: f64) -> usize {
     count as usize
