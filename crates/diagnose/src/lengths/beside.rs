@@ -111,10 +111,7 @@ impl Base<'_> {
             is_soft: !is_projected(whitened, &whitened.residuals),
             ..Projection::of_network(whitened)
         };
-        let all = match self.disturbances.is_empty() {
-            true => Vec::new(),
-            false => self.here(),
-        };
+        let all = self.here();
         for own in &self.disturbances {
             let mut columns = own.scaled(
                 &self.scene,
