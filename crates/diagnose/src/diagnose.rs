@@ -309,17 +309,9 @@ fn calibrated<'a>(
     let [mut concentrated, mut with_all] = [wanted; 2];
     concentrated.poses.asks_why = true;
     with_all.poses.robust = false;
-    let ways = [
-        (
-            concentrated,
-            "calibrated without lengths that contradict the others, although",
-        ),
-        (
-            with_all,
-            "calibrated with all lengths at full weight, since otherwise",
-        ),
-    ];
-    let mut ways = ways.into_iter();
+    let without_some = "calibrated without lengths that contradict the others, although";
+    let with_each = "calibrated with all lengths at full weight, since otherwise";
+    let mut ways = [(concentrated, without_some), (with_all, with_each)].into_iter();
     let found =
         ways.find_map(|(way, how)| Some((calibrate_with_adjustment(campaign, &way).ok()?, how)));
     let Some((calibrated, how)) = found else {

@@ -16,7 +16,6 @@
 //! Without a calibration the prediction is an ideal machine; a line then shows differences between directions, cycles
 //! and lines, but not what its mean curve consists of.
 
-mod alike;
 mod another_curve;
 mod arrivals;
 mod autocorrelation;
@@ -76,7 +75,6 @@ use trueaxis_predict::{CalibratedMachine, GIVE_COMMANDED, are_read_out};
 
 use crate::components::diagnose_line_curve;
 use crate::said::Said;
-use crate::verification::alike::alike_scales;
 use crate::verification::autocorrelation::{Noise, alike_neighbours};
 use crate::verification::base::{count, places};
 use crate::verification::comparison::Comparison;
@@ -84,6 +82,7 @@ use crate::verification::given_once::{copied, given_once, keep_rows_given_once, 
 use crate::verification::gross_errors::gross_errors;
 use crate::verification::hypotheses::comes_from_both_sides;
 use crate::verification::joined::join;
+use crate::verification::laser_scale::alike_scales;
 use crate::verification::levels::levels;
 use crate::verification::lost_motion::beyond_drives;
 use crate::verification::noise_floor::{noise_floor_um, repeats};

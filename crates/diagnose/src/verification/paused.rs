@@ -9,12 +9,10 @@ use trueaxis_selection::Fit;
 
 use crate::engine::linear::{Chosen, Listed};
 use crate::engine::without;
-use crate::verification::arrivals::groups_in_order;
-use crate::verification::base::count;
+use crate::verification::base::{count, runs_of_cycles};
 use crate::verification::comparison::Comparison;
 use crate::verification::hypotheses::candidates;
 use crate::verification::problem::Problem;
-use crate::verification::wanderer::is_of_cycle;
 
 /// Pauses that are tried, in durations of a cycle.
 const LENGTHS: [f64; 6] = [0.1, 0.2, 0.4, 0.8, 1.6, 3.2];
@@ -31,7 +29,7 @@ pub(crate) fn farthest_by_pauses(
     variance: f64,
 ) -> Vec<f64> {
     let (comparison, listed) = (problem.comparison, &problem.listed);
-    let cycles = groups_in_order(&comparison.arrivals, is_of_cycle);
+    let cycles = runs_of_cycles(comparison);
     let mut values = vec![(listed.with(causes).squares(), fit.estimates.clone())];
     if count(&cycles) > 1 {
         values.extend(LENGTHS.iter().filter_map(|&length| {

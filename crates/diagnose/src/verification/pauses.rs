@@ -14,12 +14,11 @@ use crate::Rival;
 use crate::engine::disturbance::{Wanderer, Who, With};
 use crate::engine::linear::{Chosen, Listed};
 use crate::engine::{JudgedDisturbance, without};
-use crate::verification::arrivals::groups_in_order;
-use crate::verification::base::{count, cycles, indicators};
+use crate::verification::base::{count, cycles, indicators, runs_of_cycles};
 use crate::verification::lost_motion;
 use crate::verification::paused::farthest_by_pauses;
 use crate::verification::problem::Problem;
-use crate::verification::wanderer::{is_of_cycle, with_time};
+use crate::verification::wanderer::with_time;
 
 /// Consequences of unknown pauses for lost motion beside a cause in time, and for this.
 pub(crate) struct ByPauses {
@@ -115,7 +114,7 @@ fn in_pauses(
 ) -> Option<ByPauses> {
     let listed = &problem.listed;
     let mut paused = problem.comparison.clone();
-    let cycles = groups_in_order(&paused.arrivals, is_of_cycle);
+    let cycles = runs_of_cycles(&paused);
     let last = count(&cycles).checked_sub(1).filter(|last| *last > 0)?;
     for (arrival, cycle) in paused.arrivals.iter_mut().zip(cycles) {
         arrival.progress = cycle as f64 / last as f64;

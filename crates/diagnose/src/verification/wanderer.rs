@@ -17,8 +17,8 @@ use crate::engine::correlation_lengths;
 use crate::engine::disturbance::With::{Campaign, Position, Sides, SidesInTime};
 use crate::engine::disturbance::{Form, Pauses, Wanderer, Who};
 use crate::numbers::extremes;
-use crate::verification::arrivals::{Arrival, groups_in_order};
-use crate::verification::base::{count, cycles, places};
+use crate::verification::arrivals::Arrival;
+use crate::verification::base::{count, cycles, places, runs_of_cycles};
 use crate::verification::comparison::Comparison;
 use crate::verification::hypotheses::comes_from_both_sides;
 
@@ -161,7 +161,7 @@ impl Course<'_, '_> {
         if !self.is_of_time() || self.comparison.timed || !has_stops || passes > MOST_PASSES {
             return [0, 0];
         }
-        let cycles = count(&groups_in_order(&self.comparison.arrivals, is_of_cycle));
+        let cycles = count(&runs_of_cycles(self.comparison));
         [passes, if cycles < passes { cycles } else { 0 }]
     }
 
@@ -327,14 +327,9 @@ impl Functions {
 
 /// For each arrival the index of its pass, and of its cycle among consecutive ones.
 fn parts(comparison: &Comparison<'_>) -> Vec<[usize; 2]> {
-    let cycles = groups_in_order(&comparison.arrivals, is_of_cycle);
+    let cycles = runs_of_cycles(comparison);
     let parts = comparison.passes.iter().zip(cycles);
     parts.map(|(&pass, cycle)| [pass, cycle]).collect()
-}
-
-/// Whether two consecutive arrivals belong to one cycle.
-pub(crate) fn is_of_cycle(a: &Arrival, b: &Arrival) -> bool {
-    a.cycle == b.cycle
 }
 
 /// From the start of a cycle to the next, including the pause between, as a share of the time of all (median).
