@@ -4,7 +4,7 @@ use trueaxis_effects::{
     Explanation, LOST_MOTION_OF_BOTH_SIGNS, Layer, Level, ResolvedEffect, Scene, WORN_IN_THE_MIDDLE,
 };
 
-use crate::extremes::extremes;
+use crate::numbers::extremes;
 use crate::{Fitted, Wandering};
 
 /// Probability of equal sizes scattering as much, below which they differ by more than chance.
@@ -188,10 +188,9 @@ impl Cause {
         let known = self.effect.effect.parameters(scene, subject);
         let first = known.first()?;
         let range = first.plausible?;
-        let coefficients = self.parameters.iter().take(known.len());
-        let is_plausible = coefficients.fold(true, |all, p| {
-            all && p.value + 2.0 * p.u >= range[0] && p.value - 2.0 * p.u <= range[1]
-        });
+        let mut coefficients = self.parameters.iter().take(known.len());
+        let is_plausible = coefficients
+            .all(|p| p.value + 2.0 * p.u >= range[0] && p.value - 2.0 * p.u <= range[1]);
         Some(Follows {
             column,
             is_plausible,

@@ -17,12 +17,9 @@ pub(crate) fn changes(before: &Calibration, after: &Calibration) -> Vec<Change> 
         for component in Component::ALL {
             let k = component.index();
             let value = |node: &trueaxis_calibrate::NodeResult| node.error.to_vector()[k];
-            let largest = axis
-                .nodes
-                .iter()
-                .zip(&other.nodes)
-                .map(|(a, b)| (value(b) - value(a)).abs())
-                .fold(0.0, f64::max);
+            let nodes = axis.nodes.iter().zip(&other.nodes);
+            let changed = nodes.map(|(a, b)| (value(b) - value(a)).abs());
+            let largest = changed.fold(0.0, f64::max);
             let unit = Unit::of_component(component);
             changes.push(Change {
                 name: component.name(&axis.name),

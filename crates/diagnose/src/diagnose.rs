@@ -9,6 +9,7 @@ use trueaxis_predict::{CalibratedMachine, check_same_machine};
 use crate::changes::changes;
 use crate::components::diagnose_components;
 use crate::lengths::{diagnose_lengths, scene};
+use crate::numbers::distinct;
 use crate::points::diagnose_points;
 use crate::runs::{contradicting_runs, diagnose_runs};
 use crate::said::Said;
@@ -281,17 +282,15 @@ fn with_runs(
 /// Stations, targets, and the axes that move in any of the data.
 fn scene_of_all(campaign: &Campaign) -> Scene {
     let mut scene = scene(campaign);
-    for axis in 0..campaign.machine.axes().len() {
-        let moves = campaign.verification.iter().any(|verification| {
+    let moves = |&axis: &usize| {
+        campaign.verification.iter().any(|verification| {
             let mut positions = verification.readings.iter().map(|r| r.positions[axis]);
             let first = positions.next();
             positions.any(|position| Some(position) != first)
-        });
-        if moves && !scene.moving.contains(&axis) {
-            scene.moving.push(axis);
-        }
-    }
-    scene.moving.sort_unstable();
+        })
+    };
+    let read = (0..campaign.machine.axes().len()).filter(moves);
+    scene.moving = distinct(read.chain(scene.moving));
     scene
 }
 
@@ -310,17 +309,9 @@ fn calibrated<'a>(
     let [mut concentrated, mut with_all] = [wanted; 2];
     concentrated.poses.asks_why = true;
     with_all.poses.robust = false;
-    let ways = [
-        (
-            concentrated,
-            "calibrated without lengths that contradict the others, although",
-        ),
-        (
-            with_all,
-            "calibrated with all lengths at full weight, since otherwise",
-        ),
-    ];
-    let mut ways = ways.into_iter();
+    let without_some = "calibrated without lengths that contradict the others, although";
+    let with_each = "calibrated with all lengths at full weight, since otherwise";
+    let mut ways = [(concentrated, without_some), (with_all, with_each)].into_iter();
     let found =
         ways.find_map(|(way, how)| Some((calibrate_with_adjustment(campaign, &way).ok()?, how)));
     let Some((calibrated, how)) = found else {

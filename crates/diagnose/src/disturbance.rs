@@ -72,12 +72,8 @@ impl Wandering {
     /// Description, such as `station S2, with time`.
     pub fn in_words(&self, scene: &Scene) -> String {
         let name = |names: Option<&String>| names.cloned().unwrap_or_default();
-        let Subject {
-            station,
-            target,
-            axis,
-            ..
-        } = self.subject;
+        let (station, target, axis) =
+            (self.subject.station, self.subject.target, self.subject.axis);
         let axis_name = axis.and_then(|k| scene.machine.axes().get(k));
         let axis_name = axis_name.map(|axis| axis.name()).unwrap_or_default();
         let who = match (station, target, self.layer) {

@@ -57,7 +57,7 @@
 //! - [`estimated`]: parameters with their uncertainties, shapes included.
 
 mod accidents;
-mod basis;
+pub(crate) mod basis;
 mod between;
 mod competition;
 pub(crate) mod coordinate;
@@ -87,14 +87,16 @@ pub(crate) use competition::{
     Candidates, Competed, PART, add_rival_disturbances, compete, only_wandering, price, revised,
     together,
 };
-pub(crate) use culprit::{Culprit, Culprits};
+pub(crate) use culprit::Culprit;
 pub(crate) use estimated::{ByShape, cause, derivative, with_uncertainties};
-pub(crate) use forward::{FURTHER_LEVEL, Forward, SHAPE_ERROR, Search, is_another, select};
+pub(crate) use forward::{
+    FURTHER_LEVEL, Forward, SHAPE_ERROR, Search, is_another, select, without,
+};
 pub(crate) use held_out::{FOLDS, HeldOut, Squares, in_blocks, sought_again};
 pub(crate) use hypotheses::{
     TimeConstants, busy_s, duration_s, is_tested, of_catalogue, scan, scans, without_pauses,
 };
-pub(crate) use measured::{Found, Measured, Suspect, are_two};
+pub(crate) use measured::{Found, Measured, Suspect, are_two, whitened};
 pub(crate) use omnibus::{
     Family, MOST_OF_FREEDOM, OMNIBUS_LEVEL, Omnibus, is_imitation, still_left, unexplained,
     waves_of,
@@ -103,7 +105,7 @@ pub(crate) use opposed::{are_opposed, fitted_effects};
 pub(crate) use places::{Misfits, side};
 pub(crate) use ranking::{Ranking, plausible, rivals};
 pub(crate) use report::{Findings, rms};
-pub(crate) use search::{find_causes, revise};
+pub(crate) use search::{find_causes, revise, with_parameters};
 pub(crate) use smooth::{Posterior, SMOOTH_LEVEL, Smooth, beside_all, correlation_lengths};
 pub(crate) use unseen::{in_words, unseen, untested, without_trace};
 pub(crate) use wandered::{Coefficients, wandered};

@@ -6,6 +6,8 @@
 use trueaxis_effects::Scene;
 use trueaxis_kinematics::AxisKind;
 
+use crate::numbers::distinct;
+
 /// Data for a figure of a cause.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fitted {
@@ -74,12 +76,8 @@ const TRACE: f64 = 1e-3;
 impl Fitted {
     /// The group with the largest effect, over the quantity of which the effect is the smoothest function; `None` if
     /// the readings do not show it.
-    pub(crate) fn new(rows: &[Row], name: impl Fn(usize) -> String, scene: &Scene) -> Option<Self> {
-        Self::of_coordinates(rows, 1, name, scene)
-    }
-
-    /// The same for readings with several coordinates, each a group; those of one set of readings are consecutive.
-    pub(crate) fn of_coordinates(
+    /// Each of several coordinates of readings is a group; those of one set of readings are consecutive.
+    pub(crate) fn new(
         rows: &[Row],
         coordinates: usize,
         name: impl Fn(usize) -> String,
@@ -97,9 +95,7 @@ impl Fitted {
             return None;
         }
         let own = |group: usize| rows.iter().filter(move |row| row.group == group);
-        let mut axes: Vec<usize> = own(group).flat_map(|r| &r.moving).map(|m| m.0).collect();
-        axes.sort_unstable();
-        axes.dedup();
+        let axes = distinct(own(group).flat_map(|r| &r.moving).map(|m| m.0));
         let over = std::iter::once(None).chain(axes.into_iter().map(Some));
         let drawn_over = over.map(|over| (over, drawn(own(group), over, 1.0)));
         let drawn_over =
@@ -261,7 +257,13 @@ mod tests {
     }
 
     fn drawn(effect: impl Fn(f64, f64, f64) -> f64) -> Fitted {
-        Fitted::new(&sweep(effect), |group| format!("group {group}"), &scene()).unwrap()
+        Fitted::new(
+            &sweep(effect),
+            1,
+            |group| format!("group {group}"),
+            &scene(),
+        )
+        .unwrap()
     }
 
     #[test]
@@ -282,7 +284,7 @@ mod tests {
         );
 
         let nothing = sweep(|_, _, _| 0.0);
-        assert_eq!(Fitted::new(&nothing, |_| String::new(), &scene()), None);
+        assert_eq!(Fitted::new(&nothing, 1, |_| String::new(), &scene()), None);
     }
 
     #[test]
@@ -297,7 +299,7 @@ mod tests {
             u: 2.0,
         });
         let rows: Vec<Row> = rows.collect();
-        let fitted = Fitted::new(&rows, |_| String::new(), &scene()).unwrap();
+        let fitted = Fitted::new(&rows, 1, |_| String::new(), &scene()).unwrap();
         assert!(fitted.points.len() <= MOST_POINTS);
         assert!(fitted.points.iter().all(|p| (p.at - p.misfit).abs() < 1e-9));
         // 42 readings each, but for the last.
@@ -319,7 +321,7 @@ mod tests {
         });
         let rows: Vec<Row> = rows.collect();
         let name = |k: usize| ["x", "y", "z"][k].to_owned();
-        let fitted = Fitted::of_coordinates(&rows, 3, name, &scene()).unwrap();
+        let fitted = Fitted::new(&rows, 3, name, &scene()).unwrap();
         assert_eq!(fitted.of, "z");
         let [x] = fitted.beside.as_slice() else {
             panic!("{:?}", fitted.beside);

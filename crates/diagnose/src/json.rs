@@ -135,7 +135,9 @@ struct LevelFile<'a> {
 impl<'a> File<'a> {
     fn new(diagnosis: &'a Diagnosis) -> Self {
         let headline = diagnosis.headline();
-        let ranked = diagnosis.causes.iter().enumerate();
+        let scene = &diagnosis.scene;
+        let causes = diagnosis.causes.iter().enumerate();
+        let disturbances = diagnosis.disturbances.iter();
         Self {
             format: FORMAT.name,
             version: FORMAT.version,
@@ -145,13 +147,11 @@ impl<'a> File<'a> {
             before: headline.map(|l| misfit(&l.before)).unwrap_or_default(),
             after: headline.map(|l| misfit(&l.after)).unwrap_or_default(),
             gain: headline.and_then(|l| l.gain.as_ref()).map(gain),
-            causes: ranked
-                .map(|(i, cause)| CauseFile::new(i + 1, cause, &diagnosis.scene))
+            causes: causes
+                .map(|(i, cause)| CauseFile::new(i + 1, cause, scene))
                 .collect(),
-            disturbances: diagnosis
-                .disturbances
-                .iter()
-                .map(|own| DisturbanceFile::new(own, &diagnosis.scene))
+            disturbances: disturbances
+                .map(|own| DisturbanceFile::new(own, scene))
                 .collect(),
             unexplained: diagnosis.unexplained.as_ref().map(unexplained),
             rejected: &diagnosis.rejected,
@@ -209,14 +209,12 @@ fn gain(gain: &Gain) -> GainFile {
 
 fn unseen(unseen: &NotObservable) -> NotObservableFile<'_> {
     let bias = unseen.bias_per_unit.iter();
+    let bias = bias.map(|(name, text)| (name.clone(), text.as_str()));
     NotObservableFile {
         effect: unseen.effect,
         subject: &unseen.subject,
         reason: &unseen.reason,
-        bias_per_unit: Ordered(
-            bias.map(|(name, text)| (name.clone(), text.as_str()))
-                .collect(),
-        ),
+        bias_per_unit: Ordered(bias.collect()),
         measure: &unseen.measure,
     }
 }

@@ -33,10 +33,11 @@ mod diagnosis;
 mod disturbance;
 mod engine;
 mod error;
-mod extremes;
+
 mod fitted;
 mod json;
 mod lengths;
+mod numbers;
 mod points;
 mod runs;
 mod said;

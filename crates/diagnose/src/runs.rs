@@ -19,6 +19,7 @@ use trueaxis_selection::{Projection, f_test};
 
 use crate::engine::linear::{Among, Judged, Listed};
 use crate::engine::rms;
+use crate::numbers::{distinct, root_mean_square, whole};
 pub(crate) use crate::runs::contradicting::contradicting_runs;
 use crate::runs::fitted::fitted;
 use crate::runs::hypotheses::{candidates, not_observable};
@@ -42,9 +43,8 @@ pub(crate) fn diagnose_runs(
     settings: &Settings,
     may_be_named: bool,
 ) -> Result<Option<(Said, Option<Campaign>)>, Error> {
-    let mut axes: Vec<usize> = campaign.runs.iter().map(|run| run.axis).collect();
-    axes.sort_unstable();
-    if campaign.lengths.is_none() || axes.windows(2).all(|pair| pair[0] != pair[1]) {
+    let axes = distinct(campaign.runs.iter().map(|run| run.axis));
+    if campaign.lengths.is_none() || axes.len() == campaign.runs.len() {
         return Ok(None);
     }
     let mut whole = settings.calibration;
@@ -83,12 +83,7 @@ fn noise_dof(calibration: &Calibration) -> f64 {
 /// Tests what a model leaves of the runs, with the probability that runs which agree differ as much; the noise of the
 /// poses has `noise_dof` degrees of freedom.
 fn test(model: &Projection, noise_dof: f64) -> OmnibusTest {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a whole number"
-    )]
-    let columns = (model.degrees_of_freedom.round() as usize).max(1);
+    let columns = whole(model.degrees_of_freedom.round()).max(1);
     let (squares, all) = (model.squares(), noise_dof + columns as f64);
     OmnibusTest {
         varies_with: "run",
@@ -231,9 +226,8 @@ fn cause(
 ) -> Cause {
     let cause = listed.cause(judged, (scene, Level::Lengths), (&judged.fit, 0.0), 1.0);
     let effects_mm = on_lengths.of(std::slice::from_ref(&cause.effect));
-    let squares: f64 = effects_mm.iter().map(|e| e * e).sum();
     Cause {
-        explained_rms_um: 1e3 * (squares / effects_mm.len().max(1) as f64).sqrt(),
+        explained_rms_um: 1e3 * root_mean_square(&effects_mm),
         rivals: listed.rivals(judged),
         ..cause
     }

@@ -16,7 +16,6 @@
 //! Without a calibration the prediction is an ideal machine; a line then shows differences between directions, cycles
 //! and lines, but not what its mean curve consists of.
 
-mod alike;
 mod another_curve;
 mod arrivals;
 mod autocorrelation;
@@ -25,7 +24,6 @@ mod believed;
 mod between_passes;
 pub(crate) mod comparison;
 mod competition;
-mod copied;
 mod described;
 mod doubted;
 mod given_once;
@@ -51,7 +49,6 @@ mod paused;
 mod pauses;
 mod prediction_error;
 mod problem;
-mod read_again;
 mod report;
 mod resolution;
 mod series;
@@ -76,18 +73,16 @@ use trueaxis_effects::{Effect, Level, Scene, Shape, effect};
 use trueaxis_kinematics::{AxisKind, Machine};
 use trueaxis_predict::{CalibratedMachine, GIVE_COMMANDED, are_read_out};
 
-use crate::Rejected;
 use crate::components::diagnose_line_curve;
 use crate::said::Said;
-use crate::verification::alike::alike_scales;
 use crate::verification::autocorrelation::{Noise, alike_neighbours};
 use crate::verification::base::{count, places};
 use crate::verification::comparison::Comparison;
-use crate::verification::copied::copied;
-use crate::verification::given_once::{given_once, keep_rows_given_once};
+use crate::verification::given_once::{copied, given_once, keep_rows_given_once, read_again};
 use crate::verification::gross_errors::gross_errors;
 use crate::verification::hypotheses::comes_from_both_sides;
 use crate::verification::joined::join;
+use crate::verification::laser_scale::alike_scales;
 use crate::verification::levels::levels;
 use crate::verification::lost_motion::beyond_drives;
 use crate::verification::noise_floor::{noise_floor_um, repeats};
@@ -96,7 +91,6 @@ use crate::verification::omnibus::differs_by_cycle;
 use crate::verification::order::{put_in_order, takes_turns};
 use crate::verification::other_order::doubt;
 use crate::verification::problem::Problem;
-use crate::verification::read_again::read_again;
 use crate::verification::series::Series;
 use crate::verification::stops::gross_errors_within_stops;
 use crate::verification::together::together;
@@ -159,23 +153,22 @@ pub(crate) fn diagnose_verification(
         }
         kept.push(verification);
     }
-    let comparisons = kept.iter().map(|verification| {
-        let comparison = Comparison::new(machine, verification, calibration);
-        (verification.name.as_str(), comparison)
-    });
-    let comparisons: Vec<(&str, Comparison<'_>)> = comparisons.collect();
+    let comparisons = kept
+        .iter()
+        .map(|own| Comparison::new(machine, own, calibration));
+    let comparisons: Vec<Comparison<'_>> = comparisons.collect();
     // Each is judged by itself, and all together if there are several.
     let looks = comparisons.len() + usize::from(comparisons.len() > 1);
     let level = LEVEL / looks.max(1) as f64;
-    let judged = comparisons.iter().filter_map(|(name, comparison)| {
+    let judged = comparisons.iter().filter_map(|comparison| {
         let asked = (level, explain_curves);
-        judged_alone(name, comparison, calibration, scene, asked, &mut outcome)
+        judged_alone(comparison, calibration, scene, asked, &mut outcome)
     });
     let mut all: Vec<Series<'_>> = judged.collect();
-    let shared = together(&mut all, calibration, scene, level);
+    let shared = together(&mut all, calibration);
     let entry = |(number, series): (usize, &Series<'_>)| {
         let first: Vec<usize> = shared.iter().filter_map(|s| s.candidates[number]).collect();
-        series.entry(scene, &first)
+        series.entry(&first)
     };
     outcome.entries = all.iter().enumerate().map(entry).collect();
     outcome.notices.extend(alike_scales(&outcome.entries, &all));
@@ -187,17 +180,9 @@ pub(crate) fn diagnose_verification(
             continue;
         };
         let comparison = Comparison::new(machine, verification, calibration);
-        let asked = (level, false);
-        let mut aside = Said::default();
-        let series = judged_alone(
-            &verification.name,
-            &comparison,
-            calibration,
-            scene,
-            asked,
-            &mut aside,
-        );
-        let other = series.map(|series| series.entry(scene, &[]));
+        let (asked, mut aside) = ((level, false), Said::default());
+        let series = judged_alone(&comparison, calibration, scene, asked, &mut aside);
+        let other = series.map(|series| series.entry(&[]));
         doubt(entry, other.as_ref(), &comparison, &are_open);
     }
     outcome
@@ -218,46 +203,35 @@ fn leave_gross_errors_out(
             verification.readings.remove(own.reading);
         }
         for own in gross {
-            let Rejected {
-                file,
-                row,
-                error_um,
-                u_um,
-                ..
-            } = &own.rejected;
-            let against = own.contradicts.against();
+            let (wrong, against) = (own.rejected, own.contradicts.against());
             outcome.notices.push(format!(
-                "{file}: the reading in line {row} is off by {error_um:.1} µm (u = {u_um:.1} µm) against {against}"
+                "{}: the reading in line {} is off by {:.1} µm (u = {:.1} µm) against {against}",
+                wrong.file, wrong.row, wrong.error_um, wrong.u_um
             ));
-            outcome.rejected.push(own.rejected);
+            outcome.rejected.push(wrong);
         }
     }
 }
 
 /// One verification judged by itself; `None`, with a notice, for too few data. `level` is its share of the level.
 fn judged_alone<'a>(
-    name: &'a str,
     comparison: &'a Comparison<'a>,
     calibration: Option<&CalibratedMachine>,
-    scene: &Scene,
+    scene: &'a Scene,
     (level, explain_curves): (f64, bool),
     outcome: &mut Said,
 ) -> Option<Series<'a>> {
+    let name = comparison.name;
     if let Some(mistake) = units::mistake(comparison) {
         outcome.notices.push(format!(
             "{name}: {mistake}; it is not judged: correct the table first"
         ));
         return None;
     }
-    let doubts = [
-        units::doubt(comparison),
-        one_side::doubt(comparison),
-        not_at_rest::doubt(comparison),
-    ];
-    let doubts = doubts.into_iter().flatten();
-    outcome
-        .notices
-        .extend(doubts.map(|doubt| format!("{name}: {doubt}")));
+    let doubts = [units::doubt, one_side::doubt, not_at_rest::doubt];
+    let doubts = doubts.into_iter().filter_map(|doubt| doubt(comparison));
+    let notices = doubts.map(|doubt| format!("{name}: {doubt}"));
+    outcome.notices.extend(notices);
     let Some(digit) = comparison.digit else {
         let why = match comparison.arrivals.as_slice() {
             [stop] if stop.readings > 1 => {
@@ -283,9 +257,7 @@ fn judged_alone<'a>(
         Problem::new(comparison, scene, calibration, level, noise, digit)
     };
     let curve = match calibration {
-        None if explain_curves => {
-            diagnose_line_curve(comparison, floor_um, name, &mut outcome.notices)
-        }
+        None if explain_curves => diagnose_line_curve(comparison, floor_um, &mut outcome.notices),
         _ => None,
     };
     let is_explained = curve.is_some();
@@ -309,12 +281,12 @@ fn judged_alone<'a>(
         ));
         return None;
     }
-    let mut found = Series::new(name, plain);
+    let mut found = Series::new(plain);
     if floor_um.is_none() {
         // Then what is left with the causes in the model replaces it.
         for _ in 0..2 {
             let left_um = found.left_um().max(resolution_um);
-            found = Series::new(name, posed(Noise::white(left_um)));
+            found = Series::new(posed(Noise::white(left_um)));
         }
         found.noise_floor_um = found.left_um().max(resolution_um);
     }
@@ -323,7 +295,7 @@ fn judged_alone<'a>(
         true => None,
         false => alike_neighbours(&found, |noise| {
             let sigma_um = noise.sigma_um.max(resolution_um);
-            Series::new(name, posed(Noise { sigma_um, ..noise }))
+            Series::new(posed(Noise { sigma_um, ..noise }))
         }),
     };
     if let Some(correlated) = correlated {
@@ -345,9 +317,8 @@ fn judged_alone<'a>(
         effect.shape == Shape::Period
     });
     let doubts = periods.filter_map(|cause| short_periods::doubt(comparison, cause.shape));
-    outcome
-        .notices
-        .extend(doubts.map(|doubt| format!("{name}: {doubt}")));
+    let notices = doubts.map(|doubt| format!("{name}: {doubt}"));
+    outcome.notices.extend(notices);
     // Late time stamps look similar.
     let mut others = found.model.causes.clone();
     others.retain(|cause| !found.plain.listed.hypothesis(cause).effect.is_delay());
@@ -373,7 +344,7 @@ fn judged_alone<'a>(
             "{name}: without time_s its rows were taken as a step cycle, position after position from either side in turn, but cycles differ, as those of an axis that went there and back do; then give time_s, or the rows in the order of measuring"
         ));
     }
-    let unseen = not_observable(&found.plain, scene, name);
+    let unseen = not_observable(&found.plain);
     // What the mean curve absorbs was sought in the curve itself.
     let is_of_curve =
         |own: &Effect| own.levels.contains(&Level::Components) && !own.is_lost_motion();

@@ -47,6 +47,11 @@ pub fn shape_parameter(effect: &Effect, scene: &Scene, subject: &Subject) -> Opt
 }
 
 impl Shape {
+    /// Whether it is a time that passes until an effect has its size.
+    pub fn is_duration(self) -> bool {
+        self.name() == Some("time_constant")
+    }
+
     /// The name of the parameter that stands for it.
     pub(crate) fn name(self) -> Option<&'static str> {
         match self {

@@ -127,10 +127,22 @@ impl Projection {
         }
     }
 
+    /// `M x`: what the base model leaves of a whitened column.
+    pub fn left_of(&self, column: &[f64]) -> Vec<f64> {
+        let mut left = column.to_vec();
+        self.project(&mut left);
+        left
+    }
+
+    /// `Xᵀ e` of whitened columns.
+    pub fn along(&self, columns: &[Vec<f64>]) -> Vec<f64> {
+        let along = columns.iter().map(|column| dot(column, &self.residuals));
+        along.collect()
+    }
+
     /// The same projection of other whitened observations.
     pub fn with_residuals(&self, y: &[f64]) -> Self {
-        let mut residuals = y.to_vec();
-        self.project(&mut residuals);
+        let residuals = self.left_of(y);
         Self {
             squares: dot(y, &residuals),
             residuals,

@@ -6,7 +6,7 @@ use trueaxis_leastsquares::dot;
 
 use crate::gram_matrix::gram;
 use crate::projection::combined;
-use crate::{Projection, Score};
+use crate::{Projection, Score, ln_f_test};
 
 /// A hypothesis fitted at one shape.
 #[derive(Debug, Clone)]
@@ -27,26 +27,27 @@ impl Fit {
     /// Fits whitened columns to the residuals of a projection.
     pub fn new(projection: &Projection, columns: &[Vec<f64>]) -> Self {
         let gram = gram(projection, columns);
-        let s: Vec<f64> = columns
-            .iter()
-            .map(|c| dot(c, &projection.residuals))
-            .collect();
+        let s = projection.along(columns);
         let estimates = gram.estimates(&s);
         let effect = combined(projection.rows(), columns, &estimates);
-        let mut explained = effect.clone();
-        projection.project(&mut explained);
         Self {
             covariance: gram.covariance(),
             seen: gram.seen(),
             estimates,
+            explained: projection.left_of(&effect),
             effect,
-            explained,
         }
     }
 
     /// The drop of the sum of squares.
     pub fn gained(&self) -> f64 {
         dot(&self.effect, &self.explained)
+    }
+
+    /// Logarithm of the p-value of as large a drop by noise alone, of columns of this rank.
+    pub fn ln_p(&self, projection: &Projection, rank: usize) -> f64 {
+        let (squares, freedom) = (projection.squares(), projection.degrees_of_freedom);
+        ln_f_test(self.gained(), squares, rank, freedom)
     }
 
     /// The fit of some of its parameters.

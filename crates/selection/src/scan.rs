@@ -1,6 +1,8 @@
 //! A hypothesis with all its shapes.
 
-use trueaxis_effects::{Effect, ResolvedEffect, Shape, Subject};
+use trueaxis_effects::{
+    Circumstances, Displaced, Effect, Parameter, ResolvedEffect, Scene, Shape, Subject,
+};
 use trueaxis_leastsquares::lane_products::LaneMatrix;
 
 use crate::Gram;
@@ -17,6 +19,17 @@ pub struct Hypothesis {
 }
 
 impl Hypothesis {
+    /// An effect on each of some subjects.
+    pub fn of_each(effect: &'static Effect, subjects: Vec<Subject>) -> Vec<Self> {
+        let count = subjects.len();
+        let of_one = |subject| Self {
+            effect,
+            subject,
+            subjects: count,
+        };
+        subjects.into_iter().map(of_one).collect()
+    }
+
     /// Whether both are the same effect on the same subject.
     pub fn is(&self, other: &Self) -> bool {
         self.effect.id == other.effect.id && self.subject == other.subject
@@ -26,6 +39,16 @@ impl Hypothesis {
     /// course, and several together draw any course.
     pub fn is_of_time(&self) -> bool {
         self.subject.axis.is_none()
+    }
+
+    /// Its linear parameters.
+    pub fn parameters(&self, scene: &Scene) -> Vec<Parameter> {
+        self.effect.parameters(scene, &self.subject)
+    }
+
+    /// What a unit of a parameter does to a reading at a shape.
+    pub fn form(&self, parameter: usize, shape: f64, at: &Circumstances<'_>) -> Displaced {
+        self.effect.form(&self.subject, parameter, shape, at)
     }
 
     /// The effect with these values.

@@ -17,6 +17,7 @@ use crate::components::candidates::{Candidate, measured_most};
 use crate::components::curve_set::{CurveSet, Thinned};
 use crate::components::estimate::{Estimate, estimate};
 use crate::components::search::SetSearch;
+use crate::engine::without;
 
 /// Tolerance for whole numbers of waves per turn.
 const WHOLE: f64 = 1e-6;
@@ -30,12 +31,11 @@ impl SetSearch {
         let mut left = thinned.values.clone();
         for i in 0..self.found.len() {
             let (candidate, shape) = (&self.found[i].candidate, self.found[i].estimate.shape);
-            let others = [&self.found[..i], &self.found[i + 1..]].concat();
-            let backgrounds = self.backgrounds(&others);
+            let backgrounds = self.backgrounds(&without(&self.found, i));
             let own = |shape: f64| {
                 let own = estimate(&self.set, &backgrounds, candidate, shape);
-                let without = without(&self.set, &thinned, candidate, &own, &left);
-                (squares_between(&self.set, &thinned, &without), own, without)
+                let less = less(&self.set, &thinned, candidate, &own, &left);
+                (squares_between(&self.set, &thinned, &less), own, less)
             };
             let mut all: Vec<(f64, Estimate, Vec<f64>)> = vec![own(shape)];
             all.extend(aliases(&self.set, candidate, shape).into_iter().map(own));
@@ -58,8 +58,8 @@ impl SetSearch {
                 delta_bic: bic + worse(*squares),
             });
             let rivals: Vec<Rival> = rivals.collect();
-            let (_, best, without) = all.swap_remove(0);
-            left = without;
+            let (_, best, less) = all.swap_remove(0);
+            left = less;
             self.found[i].estimate = best;
             self.found[i].rivals.extend(rivals);
         }
@@ -89,7 +89,7 @@ fn aliases(set: &CurveSet, candidate: &Candidate, shape: f64) -> Vec<f64> {
 }
 
 /// Values at all positions less an effect with these parameters.
-fn without(
+fn less(
     set: &CurveSet,
     thinned: &Thinned,
     candidate: &Candidate,
@@ -113,12 +113,8 @@ fn squares_between(set: &CurveSet, thinned: &Thinned, values: &[f64]) -> f64 {
             let of_side = |node: &(f64, f64)| node.1 * side > 0.0;
             let all = nodes.iter().zip(curve).filter(|(node, _)| of_side(node));
             let all: Vec<(f64, f64)> = all.map(|(node, value)| (node.0, *value)).collect();
-            let kept: Vec<f64> = set
-                .nodes
-                .iter()
-                .filter(|n| of_side(n))
-                .map(|n| n.0)
-                .collect();
+            let kept = set.nodes.iter().filter(|node| of_side(node));
+            let kept: Vec<f64> = kept.map(|node| node.0).collect();
             let is_kept = |at: f64| kept.binary_search_by(|own| own.total_cmp(&at)).is_ok();
             let kept: Vec<(f64, f64)> =
                 all.iter().copied().filter(|(at, _)| is_kept(*at)).collect();

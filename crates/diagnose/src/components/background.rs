@@ -30,7 +30,7 @@ use trueaxis_selection::{Projection, lengths_beside_earlier};
 
 use crate::components::curve_set::CurveSet;
 use crate::components::smooth_prior::SmoothPrior;
-use crate::extremes::extremes;
+use crate::numbers::extremes;
 
 /// One size of the rest, and the curves whitened with it.
 #[derive(Debug, Clone)]
@@ -187,7 +187,6 @@ impl Background {
 }
 
 impl Whitening {
-    /// Whitens a column.
     pub(crate) fn whiten(&self, column: &[f64]) -> Vec<f64> {
         self.scaled(&self.turned(column))
     }

@@ -37,7 +37,6 @@ const KNOWN_WAVES: f64 = 2.0;
 /// Steps per period that distinguish it from a longer one.
 const STEPS_PER_PERIOD: f64 = 2.0;
 
-/// All candidates of a set.
 pub(crate) fn candidates(set: &CurveSet, scene: &Scene) -> Vec<Candidate> {
     let first = set.components[0];
     let of_set = |effect: &&&Effect| effect.is_of_curve(&set.content, first);
@@ -49,11 +48,8 @@ pub(crate) fn candidates(set: &CurveSet, scene: &Scene) -> Vec<Candidate> {
         };
         (!shapes.is_empty()).then(|| Candidate::new(effect, subject, shapes, scene))
     };
-    catalogue()
-        .iter()
-        .filter(of_set)
-        .filter_map(candidate)
-        .collect()
+    let all = catalogue().iter().filter(of_set);
+    all.filter_map(candidate).collect()
 }
 
 impl Candidate {

@@ -17,10 +17,10 @@ use trueaxis_effects::AxisPosition;
 use trueaxis_kinematics::{Axis, AxisKind, Component, Machine, MotionError};
 use trueaxis_leastsquares::median;
 use trueaxis_predict::Unit;
-use trueaxis_selection::{Hypothesis, Projection};
+use trueaxis_selection::Projection;
 
 use crate::components::candidates::Candidate;
-use crate::extremes::extremes;
+use crate::numbers::extremes;
 
 /// Curves that are judged together.
 #[derive(Debug, Clone)]
@@ -34,7 +34,6 @@ pub(crate) struct CurveSet {
     pub(crate) nodes: Vec<(f64, f64)>,
     /// Values, µm or arcsec, curve after curve.
     pub(crate) values: Vec<f64>,
-    /// Their covariance.
     pub(crate) covariance: DMatrix<f64>,
     /// Base: what the gauge takes out.
     pub(crate) base: Vec<Vec<f64>>,
@@ -284,7 +283,6 @@ impl CurveSet {
         step_of(all.map_or(&self.nodes, |all| &all.nodes))
     }
 
-    /// Curves after the gauge.
     pub(crate) fn after_gauge(&self, curves: Vec<f64>) -> Projection {
         Projection::dense(curves, &self.base)
     }
@@ -301,9 +299,7 @@ impl CurveSet {
         candidate: &Candidate,
         shape: f64,
     ) -> Vec<Vec<f64>> {
-        let Hypothesis {
-            effect, subject, ..
-        } = &candidate.hypothesis;
+        let (effect, subject) = (candidate.hypothesis.effect, &candidate.hypothesis.subject);
         let of_parameter = |k: usize| {
             self.column_at(nodes, |c, position, direction| {
                 let at = AxisPosition {

@@ -15,7 +15,6 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
-use trueaxis_leastsquares::dot;
 use trueaxis_selection::{combined, gram_of};
 
 use crate::components::background::Background;
@@ -32,9 +31,7 @@ use trueaxis_effects::Shape;
 pub(crate) struct Estimate {
     /// Linear parameters.
     pub(crate) parameters: Vec<f64>,
-    /// Their covariance.
     pub(crate) covariance: DMatrix<f64>,
-    /// The shape.
     pub(crate) shape: f64,
     /// Its standard uncertainty; zero if it is not estimated.
     pub(crate) u_shape: f64,
@@ -175,8 +172,7 @@ fn mixture(backgrounds: &[Background], columns: &[Vec<f64>]) -> (DVector<f64>, D
             if gram.rank() == 0 {
                 continue;
             }
-            let along = whitened.iter().map(|c| dot(c, &projection.residuals));
-            let s: Vec<f64> = along.collect();
+            let s = projection.along(&whitened);
             let terms = gram.standardised(&s);
             let ln_likelihood: f64 = terms.map(|(value, z)| 0.5 * (z * z - value.ln())).sum();
             let values = DVector::from_vec(gram.estimates(&s));

@@ -14,7 +14,6 @@ pub(crate) struct Family {
 pub(crate) const LEVEL: f64 = 0.01;
 
 impl Family {
-    /// Adds tests of an effect.
     pub(crate) fn add(&mut self, effect: &'static str, tests: Null) {
         self.tests.entry(effect).or_default().push(tests);
     }

@@ -161,11 +161,7 @@ fn of_sizes(
     let widths = alike.iter().map(|size| size.projection.shared_width + 1);
     let width = widths.max().unwrap_or(1);
     let against = DMatrix::from_fn(turned.ncols(), alike.len() * width, |row, k| {
-        let Background {
-            projection,
-            whitening,
-            ..
-        } = &alike[k / width];
+        let (projection, whitening) = (&alike[k / width].projection, &alike[k / width].whitening);
         let of_size = match k % width {
             k if k < projection.shared_width => projection.shared_row(row)[k],
             k if k + 1 == width => projection.residuals[row],

@@ -3,14 +3,15 @@
 //! The curve contradicts nothing: it is the machine as far as known. But periodic parts, or one proportional to
 //! position, have a name, and are found as in the curves of a calibration: on a smooth background.
 
-use trueaxis_kinematics::{ARCSEC, AxisKind, Component, Ideal, MICROMETRE};
+use trueaxis_kinematics::{ARCSEC, AxisKind, Ideal, MICROMETRE};
 
 use crate::Cause;
 use crate::components::curve_set::{CurveSet, FEWEST_STEPS};
 use crate::components::scene_of;
 use crate::components::search::Search;
+use crate::numbers::mean;
 use crate::verification::base::{count, lines, places};
-use crate::verification::comparison::Comparison;
+use crate::verification::comparison::{Comparison, along_itself};
 
 /// Standard deviation assumed for readings without repeats, µm: next to nothing, so that the rough rest of the curve
 /// replaces it.
@@ -24,7 +25,6 @@ const MOST_STEPS_APART: f64 = 3.0;
 pub(crate) fn diagnose_line_curve(
     comparison: &Comparison<'_>,
     noise_um: Option<f64>,
-    name: &str,
     notices: &mut Vec<String>,
 ) -> Option<Vec<Cause>> {
     let axis = comparison.line()?;
@@ -33,11 +33,7 @@ pub(crate) fn diagnose_line_curve(
     }
     let machine = comparison.machine;
     let content = &machine.axes()[axis];
-    let principal = content.principal();
-    let component = match content.kind() {
-        AxisKind::Linear => Component::ALL[principal],
-        AxisKind::Rotary => Component::ALL[principal + 3],
-    };
+    let component = along_itself(content);
     let places = places(comparison);
     let count = count(&places);
     if count < FEWEST_STEPS {
@@ -62,14 +58,14 @@ pub(crate) fn diagnose_line_curve(
         let of_side = |sign: f64| {
             let rows = own().filter(|&row| comparison.arrivals[row].direction * sign > 0.0);
             let rows: Vec<f64> = rows.map(|row| comparison.difference_um[row]).collect();
-            (!rows.is_empty()).then(|| rows.iter().sum::<f64>() / rows.len() as f64)
+            (!rows.is_empty()).then(|| mean(&rows))
         };
         // The mean of the two sides is free of lost motion.
         let sides: Vec<f64> = [1.0, -1.0].into_iter().filter_map(of_side).collect();
         let readings = own().count() as f64;
         let sigma = noise_um.unwrap_or(NO_REPEATS_UM) / unit_um;
         nodes.push(comparison.arrivals[first].positions[axis]);
-        values.push(sides.iter().sum::<f64>() / sides.len() as f64 / unit_um);
+        values.push(mean(&sides) / unit_um);
         variances.push(sigma * sigma / readings);
     }
     if values.iter().any(|value| !value.is_finite()) {
@@ -82,10 +78,10 @@ pub(crate) fn diagnose_line_curve(
     if largest > MOST_STEPS_APART * set.measured_step() {
         return None;
     }
-    notices.extend(set.notice(name));
+    notices.extend(set.notice(comparison.name));
     let mut causes = Search::new(&scene_of(machine, vec![axis]), vec![set]).causes();
     for cause in &mut causes {
-        cause.data = vec![format!("mean curve of {name}")];
+        cause.data = vec![format!("mean curve of {}", comparison.name)];
     }
     Some(causes)
 }

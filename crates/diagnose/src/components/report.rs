@@ -11,6 +11,7 @@ use crate::components::curve_set::CurveSet;
 use crate::components::search::Found;
 use crate::engine::with_uncertainties;
 use crate::fitted::{Fitted, Row};
+use crate::numbers::squares;
 
 /// Lever by which angles enter an rms of displacements, mm: the size of a workpiece.
 const LEVER_MM: f64 = 100.0;
@@ -91,8 +92,7 @@ fn amplitude_and_phase(
 /// Standard uncertainty of a function of the parameters, to first order.
 fn u_of(found: &Found, f: &dyn Fn(&[f64]) -> f64) -> f64 {
     let values = &found.estimate.parameters;
-    let size = values.iter().map(|v| v * v).sum::<f64>().sqrt();
-    let h = (DIFFERENCE * size).max(f64::MIN_POSITIVE.sqrt());
+    let h = (DIFFERENCE * squares(values).sqrt()).max(f64::MIN_POSITIVE.sqrt());
     let slope = |k: usize| {
         let (mut above, mut below) = (values.clone(), values.clone());
         above[k] += h;
@@ -123,7 +123,7 @@ fn fitted(set: &CurveSet, effect: &[f64], scene: &Scene) -> Option<Fitted> {
     let values = values.into_iter().zip(effect).enumerate();
     let rows: Vec<Row> = values.map(row).collect();
     let name = |k: usize| set.components[k].name(set.content.name());
-    let fitted = Fitted::new(&rows, name, scene)?;
+    let fitted = Fitted::new(&rows, 1, name, scene)?;
     Some(fitted.of_angles(set.components[0].is_angular()))
 }
 

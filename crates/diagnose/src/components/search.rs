@@ -156,12 +156,9 @@ impl<'a> Search<'a> {
             .collect();
         for (i, search) in self.sets.iter_mut().enumerate() {
             let own = kind(search);
-            let others: Vec<&SmoothLikelihood> = likelihoods
-                .iter()
-                .enumerate()
-                .filter(|(j, (kind, _))| *j != i && *kind == own)
-                .map(|(_, (_, likelihood))| likelihood)
-                .collect();
+            let others = likelihoods.iter().enumerate();
+            let others = others.filter(|(j, (kind, _))| *j != i && *kind == own);
+            let others: Vec<&SmoothLikelihood> = others.map(|(_, (_, own))| own).collect();
             search.prior = SmoothPrior::from_others(&others);
         }
     }

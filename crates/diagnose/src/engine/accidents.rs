@@ -9,6 +9,8 @@
 
 use trueaxis_selection::{Gram, ln_f_test};
 
+use crate::numbers::whole;
+
 /// Probability of leaving out anything from readings that are in order, for each file.
 pub(crate) const ACCIDENT_LEVEL: f64 = 1e-4;
 
@@ -54,13 +56,7 @@ pub(crate) const ACCIDENTS: f64 = 0.03;
 
 /// How many of `count` readings may be wrong by accident: the share `part`, and at least one.
 pub(crate) fn most(part: f64, count: usize) -> usize {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a count"
-    )]
-    let most = (part * count as f64) as usize;
-    most.max(1)
+    whole(part * count as f64).max(1)
 }
 
 /// Names at most six lines of a table: `lines 3, 8 and others`.

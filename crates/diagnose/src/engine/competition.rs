@@ -20,8 +20,8 @@ use crate::engine::wandering::{
 };
 use crate::engine::wanders::{Beside, disturbances, least, of_wandering};
 use crate::engine::{
-    Culprit, Culprits, Found, SHAPE_ERROR, Search, Suspect, Wanders, find_causes, revise, scan,
-    scans,
+    Culprit, Found, SHAPE_ERROR, Search, Suspect, Wanders, find_causes, revise, scan, scans,
+    without,
 };
 
 /// Causes, and disturbances beside them.
@@ -40,9 +40,9 @@ impl<D: Wanders> Competed<D> {
 }
 
 /// The input of a search for causes.
-pub(crate) struct Candidates<'a> {
-    pub(crate) all: &'a [Hypothesis],
-    pub(crate) null: &'a Null,
+pub(crate) struct Candidates {
+    pub(crate) all: Vec<Hypothesis>,
+    pub(crate) null: Null,
 }
 
 /// The model with the largest 2 ln B. `search` has the causes found without disturbances; if there are none and all `is_quiet`, none are
@@ -51,7 +51,7 @@ pub(crate) fn compete<D: Wanders>(
     base: &D,
     is_quiet: bool,
     search: Search<D::Model>,
-    candidates: &Candidates<'_>,
+    candidates: &Candidates,
 ) -> Result<Competed<D>, Error> {
     let of_causes = |search| Competed {
         base: base.clone(),
@@ -120,18 +120,13 @@ fn beats<D: Wanders>(
 
 /// Adds to causes the disturbances that may have been there instead: those with a larger 2 ln B.
 pub(crate) fn add_rival_disturbances<D: Wanders>(competed: &mut Competed<D>) -> Result<(), Error> {
-    let Competed {
-        base,
-        search,
-        wandering,
-    } = competed;
-    let base = &*base;
+    let (base, search) = (&competed.base, &mut competed.search);
     let beside = Beside::new(base, &[]);
-    let is_new = |w: &Wanderer| wandering.iter().all(|own| own.wanderer() != *w);
+    let known = &competed.wandering;
+    let is_new = |w: &Wanderer| known.iter().all(|own| own.wanderer() != *w);
     let others: Vec<Wanderer> = beside.wanderers().iter().copied().filter(is_new).collect();
     for (k, found) in search.found.iter_mut().enumerate() {
-        let mut suspects = D::suspects(&search.adjusted).to_vec();
-        suspects.remove(k);
+        let suspects = without(D::suspects(&search.adjusted), k);
         let without = base.adjust_near(&search.adjusted, suspects)?;
         let instead = instead_of_cause(&beside, &without, &others, found.two_ln_b);
         found.wandering.extend(instead);
@@ -146,7 +141,7 @@ pub(crate) const PART: f64 = 0.1;
 fn described<D: Wanders>(
     base: &D,
     mut model: Competed<D>,
-    candidates: &Candidates<'_>,
+    candidates: &Candidates,
 ) -> Result<Competed<D>, Error> {
     loop {
         let wanders_on = |found: &Found| {
@@ -156,15 +151,14 @@ fn described<D: Wanders>(
                     && found.suspect.hypothesis.is_of_time()
                     && found.statistic < SHAPE_ERROR * judged.two_ln_b;
                 let goes_on = judged.two_ln_b > PART * found.statistic
-                    && is_of(&Culprits::of(base, found), wanderer);
+                    && is_of(&Culprit::all_of(base, found), wanderer);
                 is_rest || goes_on
             })
         };
         let Some(undescribed) = model.search.found.iter().position(wanders_on) else {
             return Ok(model);
         };
-        let mut suspects = D::suspects(&model.search.adjusted).to_vec();
-        suspects.remove(undescribed);
+        let suspects = without(D::suspects(&model.search.adjusted), undescribed);
         model = revised(base, suspects, candidates)?;
     }
 }
@@ -173,14 +167,14 @@ fn described<D: Wanders>(
 pub(crate) fn revised<D: Wanders>(
     base: &D,
     suspects: Vec<Suspect>,
-    candidates: &Candidates<'_>,
+    candidates: &Candidates,
 ) -> Result<Competed<D>, Error> {
     let wandering = sought(&Beside::new(base, &suspects))?;
     if suspects.is_empty() {
         return without_causes(base, wandering);
     }
     let here = base.beside(disturbances(&wandering));
-    let (found, adjusted) = revise(&here, suspects, candidates.all, candidates.null)?;
+    let (found, adjusted) = revise(&here, suspects, candidates)?;
     if found.is_empty() {
         return only_wandering(base);
     }
@@ -219,31 +213,19 @@ fn charged<D: Wanders>(
     causes: &[Found],
     wandering: &[JudgedDisturbance],
 ) -> f64 {
-    let (two_ln_b, projection) = of_wandering(base, plain, wandering);
-    let adjusted = D::with(plain, projection);
-    let columns =
-        |found: &Found| base.columns(&adjusted)(&found.suspect.hypothesis, found.suspect.shape);
-    let columns: Vec<Vec<Vec<f64>>> = causes.iter().map(columns).collect();
-    let with = |is_in: &dyn Fn(usize) -> bool| {
-        let own = (0..causes.len()).filter(|k| is_in(*k));
-        let own: Vec<Vec<f64>> = own.flat_map(|k| columns[k].clone()).collect();
-        D::projection(&adjusted).extended(&own)
-    };
+    let (two_ln_b, beside) = of_wandering(base, plain, wandering);
+    let columns = base.columns(plain);
+    let of_causes = causes.iter().map(|own| &own.suspect);
+    let of_causes = of_causes.map(|own| columns(&own.hypothesis, own.shape));
+    let of_causes: Vec<Vec<Vec<f64>>> = of_causes.collect();
     let price_of = |k: usize| {
-        let others = D::with(&adjusted, with(&|i| i != k));
-        let scan = scan(
-            base,
-            &others,
-            D::projection(&others),
-            causes[k].suspect.hypothesis,
-        )?;
-        let scores = rank(D::projection(&others), std::slice::from_ref(&scan));
-        scores
-            .first()
-            .map(|score| score.price(D::projection(&others)))
+        let others = beside.extended(&without(&of_causes, k).concat());
+        let scan = scan(base, plain, &others, causes[k].suspect.hypothesis)?;
+        let scores = rank(&others, std::slice::from_ref(&scan));
+        scores.first().map(|score| score.price(&others))
     };
     let prices = (0..causes.len()).filter_map(price_of);
-    two_ln_b + together([D::projection(&adjusted), &with(&|_| true)], prices)
+    two_ln_b + together([&beside, &beside.extended(&of_causes.concat())], prices)
         - price(causes.len(), wandering)
 }
 
@@ -286,12 +268,12 @@ pub(crate) fn only_wandering<D: Wanders>(base: &D) -> Result<Competed<D>, Error>
 fn alternated<D: Wanders>(
     base: &D,
     first: Vec<JudgedDisturbance>,
-    candidates: &Candidates<'_>,
+    candidates: &Candidates,
 ) -> Result<Competed<D>, Error> {
     let here = base.beside(disturbances(&first));
     let start = here.adjust(Vec::new(), None)?;
-    let scans = scans(&here, &start, D::projection(&start), candidates.all).scans;
-    let search = find_causes(&here, start, candidates.all, &scans, candidates.null)?;
+    let scans = scans(&here, &start, D::projection(&start), &candidates.all).scans;
+    let search = find_causes(&here, start, candidates, &scans)?;
     if search.found.is_empty() {
         return Ok(Competed {
             base: here,
@@ -309,15 +291,17 @@ fn alternated<D: Wanders>(
 
 /// Whether a disturbance in time is of the thing that a cause blames: the cause may then be only part of a course
 /// that it does not describe.
-fn is_of(culprits: &Culprits, wanderer: Wanderer) -> bool {
-    culprits.any(|culprit| match (*culprit, wanderer.who, wanderer.with) {
-        (Culprit::Station(own, _), Who::Station(other), With::Occupation)
-        | (Culprit::Target(own, _), Who::Target(other), With::Campaign) => own == other,
-        (Culprit::Axis(own, by), Who::Axis(other), With::Campaign) => {
-            own == other && by.grows_axis()
-        }
-        (Culprit::EveryOccupation, Who::Machine | Who::Tripods | Who::Frame, _) => true,
-        (Culprit::Everything(by), Who::Air, _) => by.layer == Layer::Instrument,
-        _ => false,
-    })
+fn is_of(culprits: &[Culprit], wanderer: Wanderer) -> bool {
+    culprits
+        .iter()
+        .any(|culprit| match (*culprit, wanderer.who, wanderer.with) {
+            (Culprit::Station(own, _), Who::Station(other), With::Occupation)
+            | (Culprit::Target(own, _), Who::Target(other), With::Campaign) => own == other,
+            (Culprit::Axis(own, by), Who::Axis(other), With::Campaign) => {
+                own == other && by.grows_axis()
+            }
+            (Culprit::EveryOccupation, Who::Machine | Who::Tripods | Who::Frame, _) => true,
+            (Culprit::Everything(by), Who::Air, _) => by.layer == Layer::Instrument,
+            _ => false,
+        })
 }

@@ -18,24 +18,13 @@ pub(crate) enum Culprit {
     Everything(&'static Effect),
 }
 
-/// What a cause and its rivals blame.
-pub(crate) struct Culprits(Vec<Culprit>);
-
-impl Culprits {
-    pub(crate) fn of<D: Measured>(data: &D, found: &Found) -> Self {
+impl Culprit {
+    /// What a cause and its rivals blame. If two causes share any of it, the second is not a separate cause but a sign
+    /// that neither has the right shape. A tripod that sways is no pile of jumps; a tripod that creeps and was bumped
+    /// has two problems.
+    pub(crate) fn all_of<D: Measured>(data: &D, found: &Found) -> Vec<Self> {
         let rivals = found.rivals.iter().map(|(suspect, _)| suspect);
         let all = rivals.chain([&found.suspect]);
-        Self(all.map(|suspect| data.culprit(suspect)).collect())
-    }
-
-    pub(crate) fn any(&self, is_wanted: impl Fn(&Culprit) -> bool) -> bool {
-        self.0.iter().any(is_wanted)
-    }
-
-    /// Whether two causes share an explanation: then the second is not a separate cause but a sign that neither has
-    /// the right shape. A tripod that sways is no pile of jumps; a tripod that creeps and was bumped has two
-    /// problems.
-    pub(crate) fn overlap(&self, other: &Self) -> bool {
-        self.any(|culprit| other.0.contains(culprit))
+        all.map(|suspect| data.culprit(suspect)).collect()
     }
 }

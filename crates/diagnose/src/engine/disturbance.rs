@@ -25,6 +25,7 @@ use trueaxis_selection::Hypothesis;
 use crate::engine::basis::Basis;
 use crate::engine::coordinate::{Coordinate, geometry, parameters, scale};
 use crate::engine::smooth::correlation_lengths;
+use crate::numbers::distinct;
 
 /// Something that may wander, and with what it varies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -175,10 +176,7 @@ impl Wanderer {
             }
             Who::Station(station) => Subject::station(station),
             Who::Target(target) => Subject::target(target),
-            Who::Axis(axis) => Subject {
-                axis: Some(axis),
-                ..Subject::default()
-            },
+            Who::Axis(axis) => Subject::axis(axis),
         }
     }
 
@@ -262,10 +260,7 @@ impl Wanderer {
     /// Its courses: occupations or axes.
     pub(crate) fn courses(self, all: &[Here]) -> Vec<usize> {
         let places = all.iter().filter_map(|here| self.place(here));
-        let mut courses: Vec<usize> = places.map(|place| place.0).collect();
-        courses.sort_unstable();
-        courses.dedup();
-        courses
+        distinct(places.map(|place| place.0))
     }
 
     /// All its priors, equally likely, for courses with this number of stops.
@@ -343,22 +338,20 @@ impl Wanderer {
 pub(crate) fn targets_and_axes(
     scene: &Scene,
     comes_from: impl Fn(usize, f64) -> bool,
-) -> Vec<(Who, With)> {
+) -> Vec<Wanderer> {
     let targets = (0..scene.targets.len()).map(Who::Target);
-    let mut all: Vec<(Who, With)> = targets
-        .flat_map(|target| [(target, With::Campaign), (target, With::Position)])
-        .collect();
+    let of_target = |own| [With::Campaign, With::Position].map(|with| Wanderer::new(own, with));
+    let mut all: Vec<Wanderer> = targets.flat_map(of_target).collect();
     for (axis, own) in scene.machine.axes().iter().enumerate() {
         let sides = [1.0, -1.0].map(|side| comes_from(axis, side));
-        if sides == [true; 2] {
-            all.push((Who::Axis(axis), With::Sides));
-            all.push((Who::Axis(axis), With::SidesInTime));
-        }
-        if sides.contains(&true) {
-            let is_linear = own.kind() == AxisKind::Linear;
-            all.extend(is_linear.then_some((Who::Axis(axis), With::Campaign)));
-            all.push((Who::Axis(axis), With::TimeAndPosition));
-        }
+        let mut add = |with, is_there: bool| {
+            all.extend(is_there.then_some(Wanderer::new(Who::Axis(axis), with)));
+        };
+        let (moves, is_linear) = (sides.contains(&true), own.kind() == AxisKind::Linear);
+        add(With::Sides, sides == [true; 2]);
+        add(With::SidesInTime, sides == [true; 2]);
+        add(With::Campaign, moves && is_linear);
+        add(With::TimeAndPosition, moves);
     }
     all
 }

@@ -4,7 +4,7 @@
 //! uncertainty of its score includes this. A time constant joins the linear parameters by its derivative, so that all
 //! parameters include its uncertainty.
 
-use trueaxis_effects::{Parameter, ResolvedEffect, Scene, Shape, shape_parameter};
+use trueaxis_effects::{Level, Parameter, ResolvedEffect, Scene, shape_parameter};
 use trueaxis_leastsquares::dot;
 use trueaxis_selection::{Fit, Hypothesis};
 
@@ -20,7 +20,7 @@ const STEP: f64 = 0.01;
 /// A cause of a model with its parameters; `gain` if it is the only contribution to the gain.
 pub(crate) fn cause<D: Measured>(
     data: &D,
-    of: trueaxis_effects::Level,
+    of: Level,
     model: &D::Model,
     found: &Found,
     gain: Option<Gain>,
@@ -48,7 +48,7 @@ pub(crate) fn cause<D: Measured>(
 impl Cause {
     /// An effect with its values; its judgement is filled in later.
     pub(crate) fn of(
-        level: trueaxis_effects::Level,
+        level: Level,
         effect: ResolvedEffect,
         parameters: Vec<EstimatedParameter>,
         covariance: Vec<f64>,
@@ -83,7 +83,7 @@ fn estimated<D: Measured>(
     suspect: &Suspect,
 ) -> (Vec<EstimatedParameter>, Vec<f64>) {
     let (mut covariance, mut u_shape) = (suspect.covariance.clone(), suspect.u_shape);
-    if is_duration(suspect.hypothesis.effect.shape) {
+    if suspect.hypothesis.effect.shape.is_duration() {
         (covariance, u_shape) = with_time_constant(data, model, suspect);
     }
     let linear = (&suspect.parameters[..], &covariance[..], &suspect.seen[..]);
@@ -105,7 +105,7 @@ fn with_time_constant<D: Measured>(
         let at = |shape: f64| columns(&s.hypothesis, shape);
         let mut all = at(s.shape);
         let mut unit = None;
-        if is_duration(s.hypothesis.effect.shape) {
+        if s.hypothesis.effect.shape.is_duration() {
             let step = STEP * s.shape.max(least);
             let ends = [(s.shape - step).max(0.0), s.shape + step];
             let ends = ends.map(|shape| (shape, at(shape)));
@@ -127,14 +127,6 @@ fn with_time_constant<D: Measured>(
     beside_shape(&fit, own.len() - 1, unit)
 }
 
-/// Whether a shape is a time that a list refines.
-fn is_duration(shape: Shape) -> bool {
-    matches!(
-        shape,
-        Shape::TimeConstant | Shape::SettlingTime | Shape::Lag
-    )
-}
-
 /// Parameters of a hypothesis: the linear ones with their values, covariance (rows one after the other), and whether
 /// the data fully see each, then the shape with its value and standard uncertainty.
 pub(crate) fn with_uncertainties(
@@ -143,9 +135,6 @@ pub(crate) fn with_uncertainties(
     (values, covariance, seen): (&[f64], &[f64], &[bool]),
     (shape, u_shape): (f64, f64),
 ) -> Vec<EstimatedParameter> {
-    let Hypothesis {
-        effect, subject, ..
-    } = hypothesis;
     let u = |k: usize| match seen[k] {
         true => covariance[k * values.len() + k].max(0.0).sqrt(),
         false => f64::INFINITY,
@@ -158,9 +147,10 @@ pub(crate) fn with_uncertainties(
         true => values[k],
         false => 0.0,
     };
-    let linear = effect.parameters(scene, subject).into_iter().enumerate();
+    let linear = hypothesis.parameters(scene).into_iter().enumerate();
     let linear = linear.map(|(k, parameter)| (parameter, value(k), u(k)));
-    let of_shape = shape_parameter(effect, scene, subject).map(|p| match p.unit {
+    let of_shape = shape_parameter(hypothesis.effect, scene, &hypothesis.subject);
+    let of_shape = of_shape.map(|p| match p.unit {
         "deg" => (p, shape.to_degrees(), u_shape.to_degrees()),
         _ => (p, shape, u_shape),
     });
@@ -227,6 +217,5 @@ pub(super) fn beside_shape(fit: &Fit, n: usize, unit: f64) -> (Vec<f64>, f64) {
         true => fit.covariance[n * width + n].sqrt() * unit,
         false => f64::INFINITY,
     };
-    let block = (0..n * n).map(|ik| fit.covariance[ik / n * width + ik % n]);
-    (block.collect(), u)
+    (fit.part(0..n).covariance, u)
 }

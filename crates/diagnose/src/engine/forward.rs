@@ -169,6 +169,11 @@ pub(crate) fn is_another(before: f64, (shape, u): (f64, f64)) -> bool {
     (shape - before).abs() > u.max(RESTS * before.abs())
 }
 
+/// All except `k`.
+pub(crate) fn without<T: Clone>(all: &[T], k: usize) -> Vec<T> {
+    [&all[..k], &all[k + 1..]].concat()
+}
+
 /// Judges each cause with the others in the model until nothing changes.
 pub(crate) fn revise<F: Forward>(
     search: &F,
@@ -181,16 +186,14 @@ pub(crate) fn revise<F: Forward>(
         let mut found = Vec::new();
         let mut changed = false;
         for k in 0..causes.len() {
-            let mut others = causes.clone();
-            let own = others.remove(k);
             // In the noise left without it: a large disturbance hides its own rivals.
-            let without = search.fit_near(&model, others)?;
-            let Some(judged) = search.best(&without, Some(&own)) else {
+            let without = search.fit_near(&model, without(&causes, k))?;
+            let Some(judged) = search.best(&without, Some(&causes[k])) else {
                 causes.remove(k);
                 changed = true;
                 break;
             };
-            if F::has_moved(&own, F::cause(&judged)) && exchanges < MOST_EXCHANGES {
+            if F::has_moved(&causes[k], F::cause(&judged)) && exchanges < MOST_EXCHANGES {
                 exchanges += 1;
                 changed = true;
             }

@@ -139,15 +139,15 @@ pub(crate) fn sought_again<D: Measured>(
             }
         });
         let freedom = projection.degrees_of_freedom;
-        // Readings without weight count in the freedom but leave no squares; the noise is that of the final model.
-        let squares = projection.squares().max(freedom);
-        let is_shown = |&(_, statistic, rank, _): &(f64, f64, usize, Vec<f64>)| {
-            let ln_p = ln_f_test(statistic, squares, rank, freedom);
-            ln_p + f64::from(shapes).ln() < D::CAUSE_LEVEL.ln()
-        };
-        let Some((shape, _, _, parameters)) = best.filter(is_shown) else {
+        let Some((shape, statistic, rank, parameters)) = best else {
             continue;
         };
+        // Readings without weight count in the freedom but leave no squares; the noise is that of the final model.
+        let squares = projection.squares().max(freedom);
+        let ln_p = ln_f_test(statistic, squares, rank, freedom);
+        if ln_p + f64::from(shapes).ln() >= D::CAUSE_LEVEL.ln() {
+            continue;
+        }
         projection = projection.extended(&scan.columns(shape));
         again.push(Suspect {
             shape,

@@ -1,12 +1,13 @@
 //! Every effect of a level on every subject, and the columns of those that the data can show.
 
+use rayon::iter::Either;
 use rayon::prelude::*;
 use trueaxis_campaign::Campaign;
-use trueaxis_effects::{Effect, Scene, Shape, Subject, catalogue};
+use trueaxis_effects::{Effect, Level, Scene, Shape, Subject, catalogue};
 use trueaxis_leastsquares::median;
 use trueaxis_selection::{FixedScan, Hypothesis, InstantScan, Projection, Scan, VisitTimes};
 
-use crate::engine::Measured;
+use crate::engine::{Measured, whitened};
 
 /// Hypotheses that the data can show, and hypotheses that they cannot show.
 pub(crate) struct Hypotheses {
@@ -16,7 +17,7 @@ pub(crate) struct Hypotheses {
 
 /// All hypotheses of a level on wanted subjects, in the order of the catalogue.
 pub(crate) fn of_catalogue(
-    level: trueaxis_effects::Level,
+    level: Level,
     scene: &Scene,
     is_wanted: impl Fn(&Subject) -> bool,
 ) -> Vec<Hypothesis> {
@@ -25,12 +26,7 @@ pub(crate) fn of_catalogue(
     for effect in catalogue().iter().filter(of_level) {
         let mut subjects = effect.subjects(scene);
         subjects.retain(&is_wanted);
-        let count = subjects.len();
-        all.extend(subjects.into_iter().map(|subject| Hypothesis {
-            effect,
-            subject,
-            subjects: count,
-        }));
+        all.extend(Hypothesis::of_each(effect, subjects));
     }
     all
 }
@@ -58,23 +54,19 @@ pub(crate) fn scans<D: Measured>(
     projection: &Projection,
     all: &[Hypothesis],
 ) -> Hypotheses {
-    let (columns, visits) = (data.columns(model), data.visits());
+    let (columns_mm, visits) = (data.columns_mm(model), data.visits());
     let ready = |hypothesis: &Hypothesis| {
-        let columns = (model, &columns);
-        scan_at(data, columns, projection, &visits, *hypothesis).ok_or(*hypothesis)
-    };
-    let ready: Vec<_> = all.par_iter().map(ready).collect();
-    let mut hypotheses = Hypotheses {
-        scans: Vec::new(),
-        without_trace: Vec::new(),
-    };
-    for scan in ready {
-        match scan {
-            Ok(scan) => hypotheses.scans.push(scan),
-            Err(hypothesis) => hypotheses.without_trace.push(hypothesis),
+        let columns = (model, &columns_mm);
+        match scan_at(data, columns, projection, &visits, *hypothesis) {
+            Some(scan) => Either::Left(scan),
+            None => Either::Right(*hypothesis),
         }
+    };
+    let (scans, without_trace) = all.par_iter().partition_map(ready);
+    Hypotheses {
+        scans,
+        without_trace,
     }
-    hypotheses
 }
 
 /// Prepares one hypothesis, if the data can show it.
@@ -84,50 +76,38 @@ pub(crate) fn scan<D: Measured>(
     projection: &Projection,
     hypothesis: Hypothesis,
 ) -> Option<Box<dyn Scan>> {
-    let columns = data.columns(model);
-    let visits = data.visits();
-    scan_at(data, (model, &columns), projection, &visits, hypothesis)
+    let columns = (model, &data.columns_mm(model));
+    scan_at(data, columns, projection, &data.visits(), hypothesis)
 }
 
 fn scan_at<D: Measured>(
     data: &D,
-    (model, columns): (
-        &D::Model,
-        &(impl Fn(&Hypothesis, f64) -> Vec<Vec<f64>> + Sync),
-    ),
+    (model, columns_mm): (&D::Model, &impl Fn(&Hypothesis, f64) -> Vec<Vec<f64>>),
     projection: &Projection,
     visits: &[VisitTimes],
     hypothesis: Hypothesis,
 ) -> Option<Box<dyn Scan>> {
-    let columns = |shape: f64| columns(&hypothesis, shape);
-    let shapes = match hypothesis.effect.shape {
-        Shape::Instant => {
-            let all = data.unwhitened(model, &hypothesis);
-            let columns = |is_after: &dyn Fn(usize) -> bool| {
-                let mut columns = all.clone();
-                for column in &mut columns {
-                    leave_before_out(column, is_after);
-                    data.whiten(model, column);
-                }
-                columns
+    let kind = hypothesis.effect.shape;
+    if kind == Shape::Instant {
+        let always_mm = columns_mm(&hypothesis, f64::NEG_INFINITY);
+        let columns = |is_after: &dyn Fn(usize) -> bool| {
+            let after = |column: &Vec<f64>| {
+                let rows = column.iter().enumerate();
+                let rows = rows.map(|(row, x)| if is_after(row) { *x } else { 0.0 });
+                rows.collect()
             };
-            let scan = InstantScan::new(hypothesis, projection, visits, &columns)?;
-            return Some(Box::new(scan));
-        }
-        Shape::TimeConstant | Shape::SettlingTime | Shape::Lag => {
-            data.shapes(hypothesis.effect.shape)
-        }
-        Shape::Fixed | Shape::Period | Shape::Waves(_) => vec![0.0],
+            whitened(data, model, always_mm.iter().map(after).collect())
+        };
+        let scan = InstantScan::new(hypothesis, projection, visits, &columns)?;
+        return Some(Box::new(scan));
+    }
+    let shapes = match kind.is_duration() {
+        true => data.shapes(kind),
+        false => vec![0.0],
     };
+    let columns = |shape: f64| whitened(data, model, columns_mm(&hypothesis, shape));
     let scan = FixedScan::new(hypothesis, projection, &shapes, columns)?;
     Some(Box::new(scan))
-}
-
-/// Makes a column zero in the rows for which `is_after` is false.
-fn leave_before_out(column: &mut [f64], is_after: &dyn Fn(usize) -> bool) {
-    let rows = column.iter_mut().enumerate();
-    rows.filter(|(row, _)| !is_after(*row))
-        .for_each(|(_, value)| *value = 0.0);
 }
 
 /// Time constants to try.

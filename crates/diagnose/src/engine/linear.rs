@@ -12,5 +12,5 @@ mod search;
 
 pub(crate) use candidate::{Candidate, Finer};
 pub(crate) use left_out::LeftOut;
-pub(crate) use listed::{Beside, Chosen, Judged, Listed, without};
+pub(crate) use listed::{Beside, Chosen, Judged, Listed};
 pub(crate) use search::{Among, MOST_CAUSES, contains};

@@ -1,5 +1,6 @@
 //! What differs between kinds of data, and what is found in all kinds.
 
+use rayon::prelude::*;
 use trueaxis_effects::{Effect, ResolvedEffect, Scene, Shape};
 use trueaxis_selection::{Fit, Hypothesis, Projection, Score, VisitTimes, is_rival};
 
@@ -31,16 +32,22 @@ pub(crate) trait Measured: Sync {
     /// The causes of a model with their parameters.
     fn suspects(model: &Self::Model) -> &[Suspect];
 
-    /// Whitened columns of a hypothesis for a shape: the change of the rows of a model by a unit of each parameter.
-    fn columns<'m>(
+    /// The columns of a hypothesis for a shape, mm: the change of the rows of a model by a unit of each parameter.
+    fn columns_mm<'m>(
         &'m self,
         model: &'m Self::Model,
     ) -> impl Fn(&Hypothesis, f64) -> Vec<Vec<f64>> + Sync + 'm;
 
-    /// The same columns, with an effect from the beginning of time on, not whitened.
-    fn unwhitened(&self, model: &Self::Model, hypothesis: &Hypothesis) -> Vec<Vec<f64>>;
-
     fn whiten(&self, model: &Self::Model, column: &mut [f64]);
+
+    /// The same columns, whitened.
+    fn columns<'m>(
+        &'m self,
+        model: &'m Self::Model,
+    ) -> impl Fn(&Hypothesis, f64) -> Vec<Vec<f64>> + Sync + 'm {
+        let columns_mm = self.columns_mm(model);
+        move |hypothesis, shape| whitened(self, model, columns_mm(hypothesis, shape))
+    }
 
     /// Rows and times between which an instant may lie.
     fn visits(&self) -> Vec<VisitTimes>;
@@ -83,6 +90,17 @@ pub(crate) trait Measured: Sync {
     fn is_alike(leader: (&Hypothesis, &Score), other: (&Hypothesis, &Score), cosine: f64) -> bool {
         is_rival(leader.1, other.1, cosine)
     }
+}
+
+/// Whitens columns.
+pub(crate) fn whitened<D: Measured + ?Sized>(
+    data: &D,
+    model: &D::Model,
+    mut columns: Vec<Vec<f64>>,
+) -> Vec<Vec<f64>> {
+    let each = columns.par_iter_mut();
+    each.for_each(|column| data.whiten(model, column));
+    columns
 }
 
 /// Ratio of two time constants beyond which both can be there.
@@ -133,13 +151,8 @@ impl Suspect {
 
     /// The effect with its values.
     pub(crate) fn resolved(&self) -> ResolvedEffect {
-        let Self {
-            hypothesis,
-            parameters,
-            shape,
-            ..
-        } = self;
-        hypothesis.resolved(parameters.clone(), *shape)
+        let parameters = self.parameters.clone();
+        self.hypothesis.resolved(parameters, self.shape)
     }
 }
 

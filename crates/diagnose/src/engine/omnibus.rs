@@ -8,9 +8,10 @@ use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 use trueaxis_effects::Level;
-use trueaxis_leastsquares::{dot, half_waves};
+use trueaxis_leastsquares::dot;
 use trueaxis_selection::{Fit, Projection, f_test, gram_of};
 
+use crate::engine::basis::Basis;
 use crate::{OmnibusTest, Unexplained};
 
 /// Family-wise level of the omnibus tests of lengths or points: with the level of the causes, 0.7 % of clean
@@ -52,8 +53,7 @@ impl Omnibus {
     pub(crate) fn of(family: &Family, projection: &Projection) -> Self {
         let columns = &family.columns;
         let gram = gram_of(projection, columns);
-        let along = columns.iter().map(|c| dot(c, &projection.residuals));
-        let (drop, rank) = (gram.statistic(&along.collect::<Vec<_>>()), gram.rank());
+        let (drop, rank) = (gram.statistic(&projection.along(columns)), gram.rank());
         let (squares, freedom) = (projection.squares(), projection.degrees_of_freedom);
         Self {
             test: OmnibusTest {
@@ -118,20 +118,18 @@ pub(crate) fn unexplained(
 pub(crate) fn waves_of(
     places: impl IntoIterator<Item = Option<(usize, f64)>>,
     with_constant: bool,
-    most: u32,
+    most: usize,
 ) -> Vec<Vec<f64>> {
     let places: Vec<_> = places.into_iter().collect();
     let groups = places.iter().flatten().map(|p| p.0 + 1).max().unwrap_or(0);
-    let constant = usize::from(with_constant);
-    let width = constant + most as usize;
-    let mut columns = vec![vec![0.0; places.len()]; groups * width];
-    for (row, (group, x)) in places
-        .iter()
-        .enumerate()
-        .filter_map(|(i, p)| Some((i, (*p)?)))
-    {
-        let waves = std::iter::repeat_n(1.0, constant).chain(half_waves(x, most));
-        for (column, wave) in columns[group * width..].iter_mut().zip(waves) {
+    let basis = Basis::within(most, with_constant);
+    let mut columns = vec![vec![0.0; places.len()]; groups * basis.width()];
+    for (row, place) in places.iter().enumerate() {
+        let Some((group, x)) = *place else {
+            continue;
+        };
+        let own = &mut columns[group * basis.width()..];
+        for (column, wave) in own.iter_mut().zip(basis.at(x)) {
             column[row] = wave;
         }
     }
@@ -181,7 +179,6 @@ pub(crate) fn is_imitation(
 
 /// Part of the squares of an effect within some columns, both after the projection.
 fn part_within(base: &Projection, columns: &[Vec<f64>], fit: &Fit) -> f64 {
-    let mut rest = fit.effect.clone();
-    base.extended(columns).project(&mut rest);
+    let rest = base.extended(columns).left_of(&fit.effect);
     1.0 - dot(&fit.effect, &rest) / fit.gained().max(f64::MIN_POSITIVE)
 }

@@ -3,12 +3,12 @@
 use trueaxis_effects::Scene;
 use trueaxis_selection::{EQUAL, Fit, Hypothesis, Null, Projection, Scan, Score, cosine, rank};
 
-use crate::engine::{Measured, Suspect, scans};
+use crate::engine::{Measured, Suspect};
 
 /// The hypotheses that are physically possible, by rank.
-pub(crate) struct Ranking<'m, S> {
+pub(crate) struct Ranking<'m> {
     projection: &'m Projection,
-    scans: S,
+    scans: &'m [Box<dyn Scan>],
     pub(crate) scores: Vec<Score>,
 }
 
@@ -16,19 +16,15 @@ pub(crate) struct Ranking<'m, S> {
 const MOST_RIVALS: usize = 8;
 const HALF: f64 = 0.5;
 
-impl<'m> Ranking<'m, Vec<Box<dyn Scan>>> {
-    /// Ranks hypotheses by what a model leaves.
-    pub(crate) fn new<D: Measured>(data: &D, model: &'m D::Model, all: &[Hypothesis]) -> Self {
-        let projection = D::projection(model);
-        Self::of(data, projection, scans(data, model, projection, all).scans)
-    }
-}
-
-impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
-    /// Ranks prepared hypotheses.
-    pub(crate) fn of<D: Measured>(data: &D, projection: &'m Projection, scans: S) -> Self {
+impl<'m> Ranking<'m> {
+    /// Ranks prepared hypotheses by what a model leaves.
+    pub(crate) fn new<D: Measured>(
+        data: &D,
+        projection: &'m Projection,
+        scans: &'m [Box<dyn Scan>],
+    ) -> Self {
         let mut ranking = Self {
-            scores: rank(projection, scans.as_ref()),
+            scores: rank(projection, scans),
             projection,
             scans,
         };
@@ -45,11 +41,11 @@ impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
     }
 
     pub(crate) fn hypothesis(&self, score: &Score) -> &Hypothesis {
-        self.scans.as_ref()[score.scan].hypothesis()
+        self.scans[score.scan].hypothesis()
     }
 
     fn fit(&self, score: &Score) -> Fit {
-        let scan = &self.scans.as_ref()[score.scan];
+        let scan = &self.scans[score.scan];
         Fit::new(self.projection, &scan.columns(score.shape))
     }
 
@@ -98,9 +94,9 @@ impl<'m, S: AsRef<[Box<dyn Scan>]>> Ranking<'m, S> {
             let own = self.scores.iter().find(|s| s.scan == number);
             own.is_some_and(|s| s.statistic >= part * leader.statistic)
         };
-        let scans = self.scans.as_ref();
-        let near = (0..scans.len()).filter(near);
-        near.map(|number| *scans[number].hypothesis()).collect()
+        let near = (0..self.scans.len()).filter(near);
+        near.map(|number| *self.scans[number].hypothesis())
+            .collect()
     }
 }
 
@@ -118,9 +114,6 @@ pub(crate) fn rivals<'s, F>(
 
 /// The plausible range of each parameter of a hypothesis.
 pub(crate) fn plausible(hypothesis: &Hypothesis, scene: &Scene) -> Vec<Option<[f64; 2]>> {
-    let Hypothesis {
-        effect, subject, ..
-    } = hypothesis;
-    let parameters = effect.parameters(scene, subject);
-    parameters.iter().map(|p| p.plausible).collect()
+    let parameters = hypothesis.parameters(scene).into_iter();
+    parameters.map(|p| p.plausible).collect()
 }

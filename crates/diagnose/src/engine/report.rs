@@ -43,11 +43,8 @@ impl<D: Wanders> Findings<'_, D> {
         self,
         shown: impl Fn(&Suspect) -> Result<(f64, Option<Fitted>), Error>,
     ) -> Result<Entry, Error> {
-        let Competed {
-            base,
-            search,
-            wandering,
-        } = self.competed;
+        let (base, wandering) = (&self.competed.base, &self.competed.wandering);
+        let search = &self.competed.search;
         let (found, model) = (&search.found, &search.adjusted);
         let [before_um, after_um] =
             [self.sharp, model].map(|m| self.noise_um * rms(D::projection(m)));

@@ -1,6 +1,5 @@
 //! The search for causes in data that are adjusted anew with each: lengths and points.
 
-use trueaxis_effects::Shape;
 use trueaxis_selection::{
     DECISIVE, EQUAL, Fit, Hypothesis, Null, Projection, Scan, Score, combined,
 };
@@ -8,33 +7,31 @@ use trueaxis_selection::{
 use crate::Error;
 use crate::engine::between::{golden_section, neighbours};
 use crate::engine::forward::{FURTHER_LEVEL, Forward, RESTS, Search, is_another, select};
-use crate::engine::{Culprits, Found, Measured, Ranking, Suspect, forward};
+use crate::engine::{Candidates, Culprit, Found, Measured, Ranking, Suspect, forward, scans};
 
 /// A hypothesis that explains less than this share of what the leader explains is no rival in the same model,
 /// whatever the noise: rivals explain at least half.
 const WORTH_COMPARING: f64 = 0.25;
 
-/// Finds the causes of what `start`, a model without causes, leaves. `first` are the scans of `all` hypotheses for that model.
+/// Finds the causes of what `start`, a model without causes, leaves. `first` are the scans of all candidates for that model.
 pub(crate) fn find_causes<D: Measured>(
     data: &D,
     start: D::Model,
-    all: &[Hypothesis],
+    candidates: &Candidates,
     first: &[Box<dyn Scan>],
-    null: &Null,
 ) -> Result<Search<D::Model>, Error> {
     let projection = D::projection(&start).clone();
-    let ranking = Ranking::of(data, &projection, first);
-    let leader = ranking.leader(null, D::CAUSE_LEVEL, None);
+    let ranking = Ranking::new(data, &projection, first);
+    let leader = ranking.leader(&candidates.null, D::CAUSE_LEVEL, None);
     let comparable = leader.map(|leader| ranking.comparable(leader, WORTH_COMPARING));
     let Some((leader, comparable)) = leader.zip(comparable) else {
         return Ok(Search::without_causes(start));
     };
     let search = Refitted {
         data,
-        all,
-        null,
+        candidates,
         // Beside earlier causes all hypotheses are compared again: those causes may have hidden some.
-        first: Some((found(&ranking, leader, null).0, comparable)),
+        first: Some((found(&ranking, leader, &candidates.null).0, comparable)),
     };
     let mut causes = select(&search, start)?;
     with_parameters::<D>(&mut causes.found, &causes.adjusted);
@@ -45,13 +42,11 @@ pub(crate) fn find_causes<D: Measured>(
 pub(crate) fn revise<D: Measured>(
     data: &D,
     suspects: Vec<Suspect>,
-    candidates: &[Hypothesis],
-    null: &Null,
+    candidates: &Candidates,
 ) -> Result<(Vec<Found>, D::Model), Error> {
     let search = Refitted {
         data,
-        all: candidates,
-        null,
+        candidates,
         first: None,
     };
     let (mut found, model) = forward::revise(&search, suspects)?;
@@ -60,7 +55,7 @@ pub(crate) fn revise<D: Measured>(
 }
 
 /// Causes with their parameters beside each other.
-fn with_parameters<D: Measured>(found: &mut [Found], model: &D::Model) {
+pub(crate) fn with_parameters<D: Measured>(found: &mut [Found], model: &D::Model) {
     for (found, suspect) in found.iter_mut().zip(D::suspects(model)) {
         found.suspect = suspect.clone();
     }
@@ -69,8 +64,7 @@ fn with_parameters<D: Measured>(found: &mut [Found], model: &D::Model) {
 /// The search in data that are adjusted anew with each cause.
 struct Refitted<'s, D> {
     data: &'s D,
-    all: &'s [Hypothesis],
-    null: &'s Null,
+    candidates: &'s Candidates,
     /// The first cause, and what is compared with it alone.
     first: Option<(Found, Vec<Hypothesis>)>,
 }
@@ -101,13 +95,16 @@ impl<D: Measured> Forward for Refitted<'_, D> {
         let all = match (&self.first, own) {
             (Some((first, _)), None) if is_alone => return Some(first.clone()),
             (Some((_, comparable)), Some(_)) if is_alone => comparable,
-            _ => self.all,
+            _ => &self.candidates.all,
         };
-        let ranking = Ranking::new(self.data, model, all);
+        let null = &self.candidates.null;
+        let projection = D::projection(model);
+        let scans = scans(self.data, model, projection, all).scans;
+        let ranking = Ranking::new(self.data, projection, &scans);
         // An equal 2 ln B is no reason for an exchange.
         let name = own.map(|own| &own.hypothesis);
-        let leader = ranking.leader(self.null, D::CAUSE_LEVEL, name)?;
-        let (mut found, mut fit) = found(&ranking, leader, self.null);
+        let leader = ranking.leader(null, D::CAUSE_LEVEL, name)?;
+        let (mut found, mut fit) = found(&ranking, leader, null);
         if own.is_some() {
             if let Some(ends) = ends(self.data, &found.suspect) {
                 (found.suspect, fit) = refined(self.data, model, &found.suspect, ends);
@@ -147,12 +144,12 @@ impl<D: Measured> Forward for Refitted<'_, D> {
     }
 
     fn is_doubtful(&self, found: &[Found]) -> bool {
-        let culprits = found.iter().map(|found| Culprits::of(self.data, found));
-        let culprits: Vec<Culprits> = culprits.collect();
+        let culprits = found.iter().map(|own| Culprit::all_of(self.data, own));
+        let culprits: Vec<Vec<Culprit>> = culprits.collect();
+        let share = |i: usize, j: usize| culprits[i].iter().any(|own| culprits[j].contains(own));
         let is_stacked = (1..found.len()).any(|i| {
             (0..i).any(|j| {
-                !found[i].suspect.is_second_time_constant(&found[j].suspect)
-                    && culprits[i].overlap(&culprits[j])
+                !found[i].suspect.is_second_time_constant(&found[j].suspect) && share(i, j)
             })
         });
         let is_uncertain = |f: &Found| f.p_value > FURTHER_LEVEL || f.two_ln_b < 0.0;
@@ -170,11 +167,7 @@ impl<D: Measured> Forward for Refitted<'_, D> {
 }
 
 /// A scored hypothesis as a cause without rivals.
-fn found<S: AsRef<[Box<dyn Scan>]>>(
-    ranking: &Ranking<'_, S>,
-    score: &Score,
-    null: &Null,
-) -> (Found, Fit) {
+fn found(ranking: &Ranking<'_>, score: &Score, null: &Null) -> (Found, Fit) {
     let (suspect, fit) = ranking.suspect(score);
     let found = Found {
         suspect,
@@ -201,10 +194,7 @@ fn add_exchanged(found: &mut [Found], others: &[Suspect], more: f64) {
 /// Limits between which a listed shape is refined; `None` if the list has all shapes.
 fn ends<D: Measured>(data: &D, suspect: &Suspect) -> Option<[f64; 2]> {
     let shape = suspect.hypothesis.effect.shape;
-    if !matches!(
-        shape,
-        Shape::TimeConstant | Shape::SettlingTime | Shape::Lag
-    ) {
+    if !shape.is_duration() {
         return None;
     }
     let found = suspect.shape;

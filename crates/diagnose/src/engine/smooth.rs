@@ -47,10 +47,8 @@ impl Smooth {
         let dof = projection.degrees_of_freedom;
         // In standard deviations of the noise that is left.
         let scale = (dof / projection.squares()).sqrt();
-        let along = columns
-            .iter()
-            .map(|c| scale * dot(c, &projection.residuals));
-        let along: Vec<f64> = along.collect();
+        let along = projection.along(columns).into_iter();
+        let along: Vec<f64> = along.map(|s| scale * s).collect();
         let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
         let fits = spectra.iter().enumerate().map(|(spectrum, roots)| {
             // What has no width would only take time.
@@ -58,10 +56,8 @@ impl Smooth {
             let pairs = kept.iter().flat_map(|i| kept.iter().map(move |k| (*i, *k)));
             let scaled = pairs.map(|(i, k)| matrix[i * n + k] * roots[i] * roots[k]);
             let scaled: Vec<f64> = scaled.collect();
-            let before: Vec<f64> = kept
-                .iter()
-                .map(|&k| before[k] * roots[k] * roots[k])
-                .collect();
+            let before = kept.iter().map(|&k| before[k] * roots[k] * roots[k]);
+            let before: Vec<f64> = before.collect();
             let s: Vec<f64> = kept.iter().map(|&k| along[k] * roots[k]).collect();
             let (variance, ratio) = restricted_likelihood(&scaled, &before, &s, dof);
             (spectrum, variance, ratio)
@@ -106,7 +102,7 @@ pub(crate) struct Posterior {
 impl Posterior {
     /// The posterior for whitened columns that are in the covariance of a model.
     pub(crate) fn new(model: &Projection, columns: &[Vec<f64>]) -> Self {
-        let mean = columns.iter().map(|c| dot(c, &model.residuals)).collect();
+        let mean = model.along(columns);
         let mut covariance = gram_matrix(model, columns);
         let n = columns.len();
         for (ik, value) in covariance.iter_mut().enumerate() {

@@ -10,9 +10,9 @@ use trueaxis_selection::{Projection, combined};
 use crate::engine::coordinate::{self, Coordinate, Shown};
 use crate::engine::disturbance::{Here, Wanderer, Who, With};
 use crate::engine::wandering::JudgedDisturbance;
-use crate::engine::wanders::{units_um, whitened};
-use crate::engine::{Posterior, Wanders};
-use crate::extremes::extremes;
+use crate::engine::wanders::units_um;
+use crate::engine::{Posterior, Wanders, whitened};
+use crate::numbers::extremes;
 use crate::{CorrelationLength, CurvePoint, Disturbance, Gain, Rival, Wandering};
 
 impl JudgedDisturbance {
@@ -204,7 +204,7 @@ impl<'h> Course<'h> {
     ) -> Self {
         let own = &judged.disturbance;
         let scene = base.scene();
-        let in_mm = own.scaled(scene, all, base.columns_mm(adjusted, own.wanderer));
+        let in_mm = own.scaled(scene, all, base.courses_mm(adjusted, own.wanderer));
         let columns = whitened(base, adjusted, in_mm.clone());
         let roots = own.wanderer.roots_of_spectrum(scene, all, own.form);
         let roots = roots.iter().map(|root| root * own.width).collect();
@@ -225,19 +225,14 @@ impl<'h> Course<'h> {
     /// For variation with the positions of several axes, the axis with the largest variation.
     fn axis(&self) -> Option<usize> {
         let courses = self.wanderer.courses(self.all);
-        let Coefficients {
-            posterior,
-            roots,
-            of_course,
-            ..
-        } = &self.coefficients;
+        let own = &self.coefficients;
         let size = |k: usize| {
-            let own = k * of_course..(k + 1) * of_course;
             let width = self.wanderer.basis().width();
-            let varies = own.filter(|i| i % width > 0);
+            let of_course = k * own.of_course..(k + 1) * own.of_course;
+            let varies = of_course.filter(|i| i % width > 0);
             let displaced = varies.map(|i| {
                 let unit_um = self.units_um[i / width % self.units_um.len()];
-                posterior.mean[i] * roots[i] * unit_um
+                own.posterior.mean[i] * own.roots[i] * unit_um
             });
             displaced.map(|um| um * um).sum::<f64>()
         };
@@ -249,14 +244,8 @@ impl<'h> Course<'h> {
     /// Each coordinate with its standard uncertainty over time, by occupations, or over the positions of `axis`.
     fn curve<D: Wanders>(&self, base: &D, axis: Option<usize>) -> Vec<CurvePoint> {
         let courses = self.wanderer.courses(self.all);
-        let shown: Vec<usize> = match axis {
-            Some(axis) => courses
-                .iter()
-                .position(|&c| c == axis)
-                .into_iter()
-                .collect(),
-            None => (0..courses.len()).collect(),
-        };
+        let is_shown = |k: &usize| axis.is_none_or(|axis| courses[*k] == axis);
+        let shown: Vec<usize> = (0..courses.len()).filter(is_shown).collect();
         let points = POINTS.div_ceil(shown.len().max(1)).max(2);
         let mut curve = Vec::new();
         for course in shown {

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use trueaxis_selection::{DECISIVE, by_two_ln_b};
 
 use crate::Error;
-use crate::engine::SMOOTH_LEVEL;
 use crate::engine::disturbance::{Disturbance, Wanderer};
+use crate::engine::{SMOOTH_LEVEL, without};
 
 /// A disturbance with its judgement beside the others.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,13 +98,11 @@ fn revise<W: Wandering>(
     let model = data.fit(own, None)?;
     let mut moved = false;
     for k in 0..own.len() {
-        let mut others = own.clone();
-        let before = others.remove(k);
-        let without = data.fit(&others, Some(&model))?;
-        match data.judge(&without, before.wanderer()) {
+        let without = data.fit(&without(own, k), Some(&model))?;
+        match data.judge(&without, own[k].wanderer()) {
             Some(again) => {
-                moved |= again.disturbance.has_moved(&before.disturbance);
-                let rivals = before.rivals;
+                moved |= again.disturbance.has_moved(&own[k].disturbance);
+                let rivals = std::mem::take(&mut own[k].rivals);
                 own[k] = JudgedDisturbance { rivals, ..again };
             }
             None => own[k].p_value = 1.0,

@@ -1,16 +1,15 @@
 //! Disturbances in data that are adjusted anew with each: lengths and points.
 
-use rayon::prelude::*;
-use trueaxis_effects::{Displaced, Subject};
+use trueaxis_effects::{Circumstances, Displaced};
 use trueaxis_leastsquares::dot;
 use trueaxis_selection::Projection;
 
 use crate::Error;
-use crate::engine::coordinate::Coordinate;
-use crate::engine::disturbance::{Disturbance, Here, Wanderer, Who, With};
+use crate::engine::coordinate::{Coordinate, moved};
+use crate::engine::disturbance::{Disturbance, Here, Wanderer, With};
 use crate::engine::smooth::{SMOOTH_LEVEL, Smooth, beside_all};
 use crate::engine::wandering::{JudgedDisturbance, Wandering};
-use crate::engine::{Measured, Suspect};
+use crate::engine::{Measured, Suspect, whitened};
 
 /// Data that may have disturbances.
 pub(crate) trait Wanders: Measured + Clone + Send {
@@ -18,7 +17,7 @@ pub(crate) trait Wanders: Measured + Clone + Send {
     const ROWS: usize;
 
     /// All that may wander in these data, and with what.
-    fn wanderers(&self) -> Vec<(Who, With)>;
+    fn wanderers(&self) -> Vec<Wanderer>;
 
     /// Another wanderer with the same columns, if there is one.
     fn confounded(&self, wanderer: Wanderer) -> Option<Wanderer>;
@@ -33,15 +32,9 @@ pub(crate) trait Wanders: Measured + Clone + Send {
     fn ends(&self, axis: usize) -> [f64; 2];
 
     /// Changes of the rows by a unit of each coefficient, mm.
-    fn columns_mm(&self, model: &Self::Model, wanderer: Wanderer) -> Vec<Vec<f64>>;
+    fn courses_mm(&self, model: &Self::Model, wanderer: Wanderer) -> Vec<Vec<f64>>;
 
-    /// Displacements of each reading by a unit of each of some coordinates of a subject.
-    fn moved(
-        &self,
-        model: &Self::Model,
-        coordinates: &[Coordinate],
-        subject: &Subject,
-    ) -> Vec<Vec<Displaced>>;
+    fn circumstances<'c>(&'c self, model: &Self::Model, reading: usize) -> Circumstances<'c>;
 
     /// The same data with disturbances in their covariance.
     fn beside(&self, disturbances: Vec<Disturbance>) -> Self;
@@ -49,9 +42,6 @@ pub(crate) trait Wanders: Measured + Clone + Send {
     fn disturbances(&self) -> &[Disturbance];
 
     fn variance(noise: &Self::Noise) -> f64;
-
-    /// A model with another projection and without causes.
-    fn with(model: &Self::Model, projection: Projection) -> Self::Model;
 }
 
 /// Data beside causes, in which disturbances are sought.
@@ -69,11 +59,10 @@ const WAYS_TO_CHANGE: f64 = 2.0;
 
 impl<'b, D: Wanders> Beside<'b, D> {
     pub(crate) fn new(base: &'b D, suspects: &'b [Suspect]) -> Self {
-        let all = base.wanderers().into_iter();
         Self {
             base,
             suspects,
-            all: all.map(|(who, with)| Wanderer::new(who, with)).collect(),
+            all: base.wanderers(),
         }
     }
 }
@@ -95,7 +84,7 @@ impl<D: Wanders> Wandering for Beside<'_, D> {
     /// None that would be larger than anything that wanders.
     fn judge(&self, model: &D::Model, wanderer: Wanderer) -> Option<JudgedDisturbance> {
         let (base, scene) = (self.base, self.base.scene());
-        let columns = whitened(base, model, base.columns_mm(model, wanderer));
+        let columns = whitened(base, model, base.courses_mm(model, wanderer));
         let all = base.here();
         let forms = wanderer.forms(scene, base.stops(wanderer.with));
         let roots = forms.iter();
@@ -134,19 +123,17 @@ impl<D: Wanders> Wandering for Beside<'_, D> {
 pub(crate) fn units_um<D: Wanders>(data: &D, model: &D::Model, wanderer: Wanderer) -> Vec<f64> {
     let coordinates = wanderer.coordinates(data.scene()).into_iter();
     let coordinates: Vec<Coordinate> = coordinates.map(Coordinate::without_law).collect();
-    let moved = data.moved(model, &coordinates, &wanderer.subject());
+    let (subject, readings) = (wanderer.subject(), D::projection(model).rows() / D::ROWS);
+    let moved = (0..readings).map(|i| moved(&coordinates, &subject, &data.circumstances(model, i)));
+    let moved: Vec<Vec<Displaced>> = moved.collect();
     let times = match wanderer.with {
         With::Sides | With::SidesInTime => 2.0,
         _ => 1.0,
     };
     let unit_um = |c: usize| {
-        let squares = moved.iter().map(|moved: &Vec<Displaced>| {
-            let Displaced {
-                point_mm,
-                station_mm,
-                length_mm,
-            } = moved[c];
-            (point_mm - station_mm).norm_squared() + length_mm.powi(2)
+        let squares = moved.iter().map(|moved| {
+            let own = &moved[c];
+            (own.point_mm - own.station_mm).norm_squared() + own.length_mm.powi(2)
         });
         let seen = squares.filter(|square| *square > 0.0);
         let (sum, count) = seen.fold((0.0, 0_usize), |(sum, n), square| (sum + square, n + 1));
@@ -155,24 +142,13 @@ pub(crate) fn units_um<D: Wanders>(data: &D, model: &D::Model, wanderer: Wandere
     (0..coordinates.len()).map(unit_um).collect()
 }
 
-/// Whitens columns.
-pub(crate) fn whitened<D: Wanders>(
-    data: &D,
-    model: &D::Model,
-    mut columns: Vec<Vec<f64>>,
-) -> Vec<Vec<f64>> {
-    let each = columns.par_iter_mut();
-    each.for_each(|column| data.whiten(model, column));
-    columns
-}
-
 /// Whitened columns of a disturbance, scaled to coefficients of unit prior variance.
 pub(crate) fn whitened_columns<D: Wanders>(
     data: &D,
     model: &D::Model,
     own: &Disturbance,
 ) -> Vec<Vec<f64>> {
-    let columns = data.columns_mm(model, own.wanderer);
+    let columns = data.courses_mm(model, own.wanderer);
     let columns = own.scaled(data.scene(), &data.here(), columns);
     whitened(data, model, columns)
 }
@@ -187,7 +163,7 @@ pub(crate) fn wandered_mm<D: Wanders>(
     let all = at.here();
     let mut sum_mm = vec![0.0; D::ROWS * all.len()];
     for own in data.disturbances() {
-        let there = own.scaled(at.scene(), &all, at.columns_mm(model, own.wanderer));
+        let there = own.scaled(at.scene(), &all, at.courses_mm(model, own.wanderer));
         let whitened = match elsewhere {
             None => whitened(data, model, there.clone()),
             Some(_) => whitened_columns(data, model, own),

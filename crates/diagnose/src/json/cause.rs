@@ -149,10 +149,7 @@ impl JsonSchema for ChangeFile<'_> {
 impl<'a> CauseFile<'a> {
     pub(super) fn new(rank: usize, cause: &'a Cause, scene: &Scene) -> Self {
         let explanation = cause.explanation();
-        let rivals = cause
-            .rivals
-            .iter()
-            .map(|rival| RivalFile::new(rival, scene));
+        let rivals = cause.rivals.iter();
         let changes = cause.changes.iter();
         Self {
             rank,
@@ -170,7 +167,7 @@ impl<'a> CauseFile<'a> {
             curve: lost_motion(cause),
             mean_lost_motion: cause.mean_lost_motion.as_ref().map(estimated),
             covariance: covariance(cause),
-            cannot_tell_apart_from: rivals.collect(),
+            cannot_tell_apart_from: rivals.map(|own| RivalFile::new(own, scene)).collect(),
             separate_by: explanation.separate_by,
             cause: explanation.cause,
             consequence: explanation.consequence,
@@ -226,12 +223,7 @@ pub(super) fn given(cause: &Cause, scene: &Scene) -> GivenEffect {
 
 /// The rows of its covariance.
 pub(super) fn covariance(cause: &Cause) -> Vec<Vec<f64>> {
-    match cause.effect.parameters.len() {
-        0 => Vec::new(),
-        count => cause
-            .covariance
-            .chunks(count)
-            .map(<[f64]>::to_vec)
-            .collect(),
-    }
+    let count = cause.effect.parameters.len().max(1);
+    let rows = cause.covariance.chunks(count);
+    rows.map(<[f64]>::to_vec).collect()
 }

@@ -84,12 +84,9 @@ impl<'a> DisturbanceFile<'a> {
 
 fn point(point: &CurvePoint) -> CurvePointFile {
     let rounded = |values: &[f64]| values.iter().map(|v| round(*v, 4)).collect();
+    let at = [point.at].into_iter().chain(point.position);
     CurvePointFile {
-        at: [point.at]
-            .into_iter()
-            .chain(point.position)
-            .map(|x| round(x, 3))
-            .collect(),
+        at: at.map(|x| round(x, 3)).collect(),
         value_um: rounded(&point.value_um),
         u_um: rounded(&point.u_um),
     }

@@ -7,7 +7,7 @@ use trueaxis_screening::estimate_noise;
 use trueaxis_selection::Fit;
 
 use crate::Error;
-use crate::engine::{Suspect, wandered_mm};
+use crate::engine::{Measured, Suspect, wandered_mm};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 
@@ -17,28 +17,9 @@ const MAX_ITERATIONS: usize = 8;
 const ROUNDS: usize = 3;
 
 impl Base<'_> {
-    /// Adjusts everything with `suspects` in the model, from their present parameters. Without `noise` the noise is
-    /// estimated.
-    pub(crate) fn adjust(
-        &self,
-        suspects: Vec<Suspect>,
-        noise: Option<Noise>,
-    ) -> Result<Adjusted, Error> {
-        self.adjust_from(None, suspects, noise)
-    }
-
-    /// The same with the noise of a model with other causes. What its rigid model and its disturbances absorb is used
-    /// again: causes of some µm over a metre change it by a millionth.
-    pub(crate) fn adjust_near(
-        &self,
-        near: &Adjusted,
-        suspects: Vec<Suspect>,
-    ) -> Result<Adjusted, Error> {
-        let near_if_projected = Some(near).filter(|near| near.is_projected());
-        self.adjust_from(near_if_projected, suspects, Some(near.network.noise))
-    }
-
-    fn adjust_from(
+    /// Adjusts everything with `suspects` in the model, from their present parameters. What the rigid model and the
+    /// disturbances of a model `near` absorb is used again. Without `noise` the noise is estimated.
+    pub(crate) fn adjust_from(
         &self,
         near: Option<&Adjusted>,
         mut suspects: Vec<Suspect>,
@@ -100,10 +81,10 @@ impl Base<'_> {
     }
 
     fn columns_of_suspects(&self, adjusted: &Adjusted) -> Vec<Vec<f64>> {
+        let columns = self.columns(adjusted);
         let suspects = adjusted.suspects.iter();
-        suspects
-            .flat_map(|s| self.columns(adjusted, &s.hypothesis, s.shape))
-            .collect()
+        let of_each = suspects.flat_map(|s| columns(&s.hypothesis, s.shape));
+        of_each.collect()
     }
 
     /// Adjusts everything with fixed causes.

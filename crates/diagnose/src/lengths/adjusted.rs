@@ -9,6 +9,7 @@ use trueaxis_selection::{Fit, Projection};
 use crate::engine::Suspect;
 
 /// An adjusted model.
+#[derive(Clone)]
 pub(crate) struct Adjusted {
     /// The network with the noise used; its lengths are less the effects of the causes.
     pub(crate) network: Network,
@@ -46,35 +47,20 @@ impl Adjusted {
         is_projected(&self.whitened, &residuals)
     }
 
-    /// The same with another projection and without causes.
-    pub(crate) fn with(&self, projection: Projection) -> Self {
-        Self {
-            network: self.network.clone(),
-            solution: self.solution.clone(),
-            whitened: Arc::clone(&self.whitened),
-            projection,
-            before_causes: Arc::clone(&self.before_causes),
-            suspects: Vec::new(),
-        }
-    }
-
     /// Moves the parameters by a fit of what is left; returns whether they have converged.
     pub(super) fn update(&mut self, fit: &Fit) -> bool {
-        let all = fit.estimates.len();
         let mut first = 0;
         let mut rests = true;
         for suspect in &mut self.suspects {
             let count = suspect.parameters.len();
-            suspect.covariance = (0..count * count)
-                .map(|ij| fit.covariance[(first + ij / count) * all + first + ij % count])
-                .collect();
-            for k in 0..count {
-                let step = fit.estimates[first + k];
+            let own = fit.part(first..first + count);
+            first += count;
+            suspect.covariance = own.covariance;
+            for (k, step) in own.estimates.iter().enumerate() {
                 suspect.parameters[k] += step;
                 let u = suspect.covariance[k * count + k].sqrt();
                 rests &= step.abs() <= RESTS * u;
             }
-            first += count;
         }
         rests
     }

@@ -2,7 +2,7 @@
 
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::{Scene, TemperatureHistory};
-use trueaxis_multilateration::{Network, Solution, Whitened, solve_from};
+use trueaxis_multilateration::{Network, Solution, solve_from};
 use trueaxis_poses::{
     CampaignNetwork, Group, LengthCircumstances as Reading, LengthsAdjustment, Method, Observation,
     length_circumstances, network_from_campaign, scene_of, temperature_histories,
@@ -13,9 +13,9 @@ use trueaxis_selection::Hypothesis;
 use crate::Error;
 use crate::engine::Suspect;
 use crate::engine::disturbance::Disturbance;
-use crate::extremes::extremes;
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::left_out::LeftOut;
+use crate::numbers::extremes;
 
 /// The lengths of a campaign, ready to be adjusted.
 #[derive(Clone)]
@@ -73,9 +73,7 @@ impl<'a> Base<'a> {
         removed: &[Removed],
         near: Option<&Solution>,
     ) -> Result<Self, Error> {
-        let CampaignNetwork {
-            network, groups, ..
-        } = all;
+        let (network, groups) = (all.network, all.groups);
         let left_out = LeftOut::of(campaign, lengths, &network, &groups, removed);
         let numbers: Vec<usize> = removed.iter().map(|removed| removed.reading).collect();
         let (mut network, kept) = network.without(&numbers);
@@ -124,10 +122,9 @@ impl<'a> Base<'a> {
         }
         let observation = self.observation(reading, solution);
         let of_suspect = |suspect: &Suspect| {
-            let Hypothesis {
-                effect, subject, ..
-            } = &suspect.hypothesis;
-            effect.displacement(subject, &suspect.parameters, suspect.shape, &observation.at)
+            let (own, shape) = (&suspect.hypothesis, suspect.shape);
+            own.effect
+                .displacement(&own.subject, &suspect.parameters, shape, &observation.at)
         };
         observation.lengthening_mm(&suspects.iter().map(of_suspect).sum())
     }
@@ -138,51 +135,20 @@ impl<'a> Base<'a> {
         readings.map(|r| self.observation(r, solution)).collect()
     }
 
-    /// Whitened columns of a hypothesis: changes of the lengths by a unit of each parameter.
-    pub(crate) fn columns(
-        &self,
-        adjusted: &Adjusted,
-        hypothesis: &Hypothesis,
-        shape: f64,
-    ) -> Vec<Vec<f64>> {
-        let observations = self.observations(&adjusted.solution);
-        self.columns_at(&observations, &adjusted.whitened, hypothesis, shape)
-    }
-
-    /// The same for readings with known positions.
+    /// Changes of the lengths, for readings at known positions, by a unit of each parameter of a hypothesis, mm.
     pub(crate) fn columns_at(
         &self,
         observations: &[Observation<'_>],
-        whitened: &Whitened,
         hypothesis: &Hypothesis,
         shape: f64,
     ) -> Vec<Vec<f64>> {
-        let mut columns = self.columns_mm(observations, hypothesis, shape);
-        for column in &mut columns {
-            whitened.whiten(column);
-        }
-        columns
-    }
-
-    /// The same, not whitened.
-    pub(crate) fn columns_mm(
-        &self,
-        observations: &[Observation<'_>],
-        hypothesis: &Hypothesis,
-        shape: f64,
-    ) -> Vec<Vec<f64>> {
-        let Hypothesis {
-            effect, subject, ..
-        } = hypothesis;
-        let count = effect.parameters(&self.scene, subject).len();
-        let mut columns = vec![vec![0.0; self.readings.len()]; count];
-        for (i, observation) in observations.iter().enumerate() {
-            for (k, column) in columns.iter_mut().enumerate() {
-                let moved = effect.form(subject, k, shape, &observation.at);
-                column[i] = moved.along(&observation.beam);
-            }
-        }
-        columns
+        let column = |k: usize| {
+            let all = observations.iter();
+            let lengthened = all.map(|own| hypothesis.form(k, shape, &own.at).along(&own.beam));
+            lengthened.collect()
+        };
+        let count = hypothesis.parameters(&self.scene).len();
+        (0..count).map(column).collect()
     }
 
     /// The same lengths without some readings (ascending).
@@ -207,18 +173,11 @@ impl<'a> Base<'a> {
     fn with_network(&self, network: Network, readings: Vec<Reading>) -> Result<Self, Error> {
         let start = solve_from(&network, &self.start)?;
         Ok(Self {
-            campaign: self.campaign,
-            scene: self.scene.clone(),
             network,
-            groups: self.groups.clone(),
-            temperatures: self.temperatures.clone(),
             readings,
             start,
-            declared: self.declared,
             left_out: Vec::new(),
-            uneven: self.uneven.clone(),
-            disturbances: self.disturbances.clone(),
-            span_s: self.span_s,
+            ..self.clone()
         })
     }
 

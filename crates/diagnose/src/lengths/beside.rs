@@ -1,14 +1,14 @@
 //! The lengths with disturbances in their covariance.
 
 use rayon::prelude::*;
-use trueaxis_effects::{Displaced, Subject};
+use trueaxis_effects::Circumstances;
 use trueaxis_multilateration::{Noise, Solution, Whitened, solve_from};
 use trueaxis_poses::{LengthCircumstances as Reading, Observation};
 use trueaxis_selection::Projection;
 
 use crate::Error;
 use crate::engine::Wanders;
-use crate::engine::coordinate::{self, Coordinate};
+use crate::engine::coordinate::moved;
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, Who, With, targets_and_axes};
 use crate::lengths::adjusted::{Adjusted, is_projected};
 use crate::lengths::base::Base;
@@ -17,16 +17,19 @@ use crate::lengths::omnibus::travelled;
 impl Wanders for Base<'_> {
     const ROWS: usize = 1;
 
-    fn wanderers(&self) -> Vec<(Who, With)> {
+    fn wanderers(&self) -> Vec<Wanderer> {
         let scene = &self.scene;
-        let mut all = vec![(Who::Machine, With::Occupation)];
+        let of_occupation = |who| Wanderer::new(who, With::Occupation);
+        let mut all = vec![of_occupation(Who::Machine)];
         if scene.has_bed_targets() {
-            all.push((Who::Tripods, With::Occupation));
+            all.push(of_occupation(Who::Tripods));
         }
-        all.push((Who::Air, With::Occupation));
-        for station in 0..scene.stations.len() {
-            all.push((Who::Station(station), With::Occupation));
-            all.push((Who::Station(station), With::Position));
+        all.push(of_occupation(Who::Air));
+        for station in (0..scene.stations.len()).map(Who::Station) {
+            all.extend([
+                of_occupation(station),
+                Wanderer::new(station, With::Position),
+            ]);
         }
         all.extend(targets_and_axes(scene, |axis, side| {
             let mut readings = self.readings.iter();
@@ -67,21 +70,13 @@ impl Wanders for Base<'_> {
         self.scene.machine.axes()[axis].travel()
     }
 
-    fn columns_mm(&self, model: &Adjusted, wanderer: Wanderer) -> Vec<Vec<f64>> {
+    fn courses_mm(&self, model: &Adjusted, wanderer: Wanderer) -> Vec<Vec<f64>> {
         self.columns_of(&self.here(), &model.solution, wanderer)
     }
 
-    fn moved(
-        &self,
-        model: &Adjusted,
-        coordinates: &[Coordinate],
-        subject: &Subject,
-    ) -> Vec<Vec<Displaced>> {
-        let moved = self.readings.iter().map(|reading| {
-            let at = self.observation(reading, &model.solution).at;
-            coordinate::moved(coordinates, subject, &at)
-        });
-        moved.collect()
+    fn circumstances<'c>(&'c self, model: &Adjusted, reading: usize) -> Circumstances<'c> {
+        let reading = &self.readings[reading];
+        self.observation(reading, &model.solution).at
     }
 
     fn beside(&self, disturbances: Vec<Disturbance>) -> Self {
@@ -97,10 +92,6 @@ impl Wanders for Base<'_> {
     fn variance(noise: &Noise) -> f64 {
         noise.length_sigma_mm.powi(2) + noise.repeatability_mm.powi(2)
     }
-
-    fn with(model: &Adjusted, projection: Projection) -> Adjusted {
-        model.with(projection)
-    }
 }
 
 impl Base<'_> {
@@ -109,7 +100,7 @@ impl Base<'_> {
         let subject = wanderer.subject();
         wanderer.columns(&self.scene, all, |i, coordinates| {
             let Observation { at, beam } = self.observation(&self.readings[i], solution);
-            let moved = coordinate::moved(coordinates, &subject, &at);
+            let moved = moved(coordinates, &subject, &at);
             moved.iter().map(|moved| [moved.along(&beam)]).collect()
         })
     }
@@ -120,10 +111,7 @@ impl Base<'_> {
             is_soft: !is_projected(whitened, &whitened.residuals),
             ..Projection::of_network(whitened)
         };
-        let all = match self.disturbances.is_empty() {
-            true => Vec::new(),
-            false => self.here(),
-        };
+        let all = self.here();
         for own in &self.disturbances {
             let mut columns = own.scaled(
                 &self.scene,
@@ -148,8 +136,7 @@ impl Base<'_> {
         Ok(Adjusted {
             network,
             solution,
-            suspects: adjusted.suspects.clone(),
-            ..adjusted.with(adjusted.projection.clone())
+            ..adjusted.clone()
         })
     }
 }

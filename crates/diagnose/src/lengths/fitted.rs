@@ -24,30 +24,18 @@ pub(crate) fn fitted(
     let others: Vec<Suspect> = others.cloned().collect();
     let without = base.adjust_given(others, current.network.noise).ok()?;
     let targets = base.scene.targets.len();
-    let left = [&without, current].map(|model| model.solution.residuals_mm.iter());
-    let [without, with] = left;
-    let fitted_mm: Vec<f64> = without
-        .zip(with)
-        .map(|(without, with)| without - with)
-        .collect();
+    let [without, with] = [&without, current].map(|model| model.solution.residuals_mm.iter());
+    let fitted_mm: Vec<f64> = without.zip(with).map(|(a, b)| a - b).collect();
     let rest_mm = &rest.solution.residuals_mm;
     let rows = |of_reading: &dyn Fn(usize) -> [f64; 3]| -> Vec<Row> {
         let row = |(i, reading): (usize, &LengthCircumstances)| {
-            let LengthCircumstances {
-                time_s,
-                station,
-                target,
-                axis,
-                direction,
-                step,
-                ..
-            } = reading;
             let [rest, fitted, u] = of_reading(i).map(|mm| 1e3 * mm);
+            let (axis, step) = (reading.axis, &base.campaign.steps[reading.step]);
             Row {
-                group: station * targets + target,
-                time_s: *time_s,
-                moving: vec![(*axis, base.campaign.steps[*step].positions[*axis])],
-                direction: f64::from(direction.sign()),
+                group: reading.station * targets + reading.target,
+                time_s: reading.time_s,
+                moving: vec![(axis, step.positions[axis])],
+                direction: reading.sign(),
                 misfit: rest + fitted,
                 fitted,
                 u,
@@ -70,7 +58,8 @@ pub(crate) fn fitted(
             base.scene.stations[station]
         )
     };
-    Fitted::new(if is_given { &given } else { &alone }, name, &base.scene)
+    let rows = if is_given { &given } else { &alone };
+    Fitted::new(rows, 1, name, &base.scene)
 }
 
 /// Each value less what the others of its visit predict of it, and the standard deviation of the difference by noise,

@@ -13,9 +13,12 @@
 
 use rayon::prelude::*;
 use trueaxis_poses::LengthCircumstances as Reading;
+use trueaxis_selection::add;
 
 use crate::Error;
-use crate::engine::{FOLDS, HeldOut, Squares, Wanders, in_blocks, sought_again, wandered_mm};
+use crate::engine::{
+    FOLDS, HeldOut, Measured, Squares, Wanders, in_blocks, sought_again, wandered_mm,
+};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 
@@ -74,10 +77,7 @@ fn held_out<'a>(
             extended = rest.less(&extended, &wandered_mm(&rest, &extended, None))?;
         }
         let mut after = rest.predicted_misfit_mm(base, &extended);
-        after
-            .iter_mut()
-            .zip(&wanders_mm)
-            .for_each(|(misfit, w)| *misfit -= w);
+        add(&mut after, &wanders_mm, -1.0);
         // A fold holds whole visits, so it can be whitened separately.
         adjusted.whitened.whiten(&mut before);
         adjusted.whitened.whiten(&mut after);

@@ -18,7 +18,7 @@ use trueaxis_selection::{DECISIVE, Fit, Hypothesis};
 
 use crate::Error;
 use crate::engine::disturbance::{Wanderer, Who, With};
-use crate::engine::{Found, Suspect};
+use crate::engine::{Found, Measured, Suspect, without};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 
@@ -35,31 +35,24 @@ pub(crate) fn add_what_moves_instead(
     };
     for (k, found) in found.iter_mut().enumerate() {
         let (hypothesis, shape) = (found.suspect.hypothesis, found.suspect.shape);
-        let Hypothesis {
-            effect, subject, ..
-        } = hypothesis;
+        let effect = hypothesis.effect;
         let is_jump = |(rival, _): &(Suspect, f64)| rival.hypothesis.effect == jump;
         let is_shift = effect.moves_machine() && effect.shape == Shape::Instant;
         let may_jump = is_shift && !found.rivals.iter().any(is_jump);
         // The temperature of the air is not that of the machine.
-        let may_grow = effect.scales_lengths() && subject.column.is_none();
+        let may_grow = effect.scales_lengths() && hypothesis.subject.column.is_none();
         if !may_jump && !may_grow {
             continue;
         }
-        let mut others = adjusted.suspects.clone();
-        others.remove(k);
-        let without = base.adjust_near(adjusted, others)?;
+        let without = base.adjust_near(adjusted, without(&adjusted.suspects, k))?;
         let fit = |columns: &[Vec<f64>]| Fit::new(&without.projection, columns);
-        let fit_of = |own: &Hypothesis| fit(&base.columns(&without, own, shape));
+        let columns = base.columns(&without);
+        let fit_of = |own: &Hypothesis| fit(&columns(own, shape));
         let own = fit_of(&hypothesis).gained();
         if may_jump {
-            let subjects = base.scene.stations.len();
-            let jumps = (0..subjects).map(|station| Hypothesis {
-                effect: jump,
-                subject: Subject::station(station),
-                subjects,
-            });
-            let jumps = jumps.map(|jump| (jump, fit_of(&jump)));
+            let stations = (0..base.scene.stations.len()).map(Subject::station);
+            let jumps = Hypothesis::of_each(jump, stations.collect());
+            let jumps = jumps.into_iter().map(|jump| (jump, fit_of(&jump)));
             let best = jumps.max_by(|(_, a), (_, b)| a.gained().total_cmp(&b.gained()));
             let best = best.filter(|(_, fit)| own - fit.gained() < DECISIVE);
             found.rivals.extend(best.map(|(jump, fit)| {
@@ -93,13 +86,10 @@ fn add_turned_reflectors(
         let Some(target) = hypothesis.subject.target.filter(|_| slips) else {
             continue;
         };
-        let mut others = adjusted.suspects.clone();
-        others.remove(k);
-        let without = base.adjust_near(adjusted, others)?;
-        let gained = |shape: f64| {
-            let columns = base.columns(&without, &hypothesis, shape);
-            Fit::new(&without.projection, &columns).gained()
-        };
+        let without = base.adjust_near(adjusted, without(&adjusted.suspects, k))?;
+        let columns = base.columns(&without);
+        let gained =
+            |shape: f64| Fit::new(&without.projection, &columns(&hypothesis, shape)).gained();
         let between = between_occupations(base, target).into_iter();
         let turned = between.map(gained).max_by(f64::total_cmp);
         let turned = turned.filter(|turned| gained(shape) - turned < DECISIVE);
@@ -130,7 +120,7 @@ fn between_occupations(base: &Base<'_>, target: usize) -> Vec<f64> {
 /// Whitened columns of a machine that grows in the course of a scale of lengths, about the origin and any point.
 fn grown(base: &Base<'_>, adjusted: &Adjusted, scale: &Hypothesis, shape: f64) -> Vec<Vec<f64>> {
     let observations = base.observations(&adjusted.solution);
-    let of_lengths = base.columns_mm(&observations, scale, shape).swap_remove(0);
+    let of_lengths = base.columns_at(&observations, scale, shape).swap_remove(0);
     let with_course = |of: &dyn Fn(usize) -> f64| {
         let course = |i: usize| of_lengths[i] / observations[i].at.distance_mm;
         let mut column: Vec<f64> = (0..observations.len()).map(|i| course(i) * of(i)).collect();

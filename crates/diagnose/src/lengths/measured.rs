@@ -46,17 +46,12 @@ impl Measured for Base<'_> {
         &model.suspects
     }
 
-    fn columns<'m>(
+    fn columns_mm<'m>(
         &'m self,
         model: &'m Adjusted,
     ) -> impl Fn(&Hypothesis, f64) -> Vec<Vec<f64>> + Sync + 'm {
         let observations = self.observations(&model.solution);
-        move |hypothesis, shape| self.columns_at(&observations, &model.whitened, hypothesis, shape)
-    }
-
-    fn unwhitened(&self, model: &Adjusted, hypothesis: &Hypothesis) -> Vec<Vec<f64>> {
-        let observations = self.observations(&model.solution);
-        self.columns_mm(&observations, hypothesis, f64::NEG_INFINITY)
+        move |hypothesis, shape| self.columns_at(&observations, hypothesis, shape)
     }
 
     fn whiten(&self, model: &Adjusted, column: &mut [f64]) {
@@ -97,11 +92,13 @@ impl Measured for Base<'_> {
     }
 
     fn adjust(&self, suspects: Vec<Suspect>, noise: Option<Noise>) -> Result<Adjusted, Error> {
-        Base::adjust(self, suspects, noise)
+        self.adjust_from(None, suspects, noise)
     }
 
+    /// What the other model absorbs is used again: causes of some µm over a metre change it by a millionth.
     fn adjust_near(&self, near: &Adjusted, suspects: Vec<Suspect>) -> Result<Adjusted, Error> {
-        Base::adjust_near(self, near, suspects)
+        let near_if_projected = Some(near).filter(|near| near.is_projected());
+        self.adjust_from(near_if_projected, suspects, Some(near.network.noise))
     }
 
     fn noise(model: &Adjusted) -> Noise {
@@ -113,19 +110,15 @@ impl Measured for Base<'_> {
     }
 
     fn culprit(&self, suspect: &Suspect) -> Culprit {
-        let Hypothesis {
-            effect, subject, ..
-        } = suspect.hypothesis;
+        let (effect, subject) = (suspect.hypothesis.effect, suspect.hypothesis.subject);
         let during = || {
             let after = self.readings.iter().find(|r| r.time_s > suspect.shape);
             after.map_or(0, |r| r.station)
         };
         let at_an_instant = effect.shape == Shape::Instant;
         let is_of_stations = || {
-            effect
-                .subjects(&self.scene)
-                .iter()
-                .any(|s| s.station.is_some())
+            let all = effect.subjects(&self.scene);
+            all.iter().any(|subject| subject.station.is_some())
         };
         if subject.carrier.is_some() {
             return Culprit::EveryOccupation;

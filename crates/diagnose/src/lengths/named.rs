@@ -2,7 +2,7 @@
 
 use trueaxis_multilateration::Noise;
 
-use crate::engine::{Competed, Omnibus, Search, Suspect, only_wandering};
+use crate::engine::{Competed, Measured, Omnibus, Search, Suspect, only_wandering};
 use crate::lengths::base::Base;
 use crate::lengths::omnibus::omnibus;
 use crate::lengths::unexplained::unexplained_part;

@@ -14,10 +14,10 @@ use crate::engine::{Family, Omnibus, waves_of};
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
 
-const OF_TIME: u32 = 24;
-const OF_POSITION: u32 = 12;
-const OF_TARGET: u32 = 4;
-const OF_DIRECTION: u32 = 2;
+const OF_TIME: usize = 24;
+const OF_POSITION: usize = 12;
+const OF_TARGET: usize = 4;
+const OF_DIRECTION: usize = 2;
 
 /// All tests of what an adjusted model leaves.
 pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {

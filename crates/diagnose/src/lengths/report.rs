@@ -7,7 +7,7 @@ use trueaxis_poses::{LengthsAdjustment, uneven_in_words};
 
 use crate::Error;
 use crate::engine::{
-    Competed, Findings, Search, Suspect, Wanders, add_rival_disturbances, rms, wandered_mm,
+    Competed, Findings, Measured, Suspect, Wanders, add_rival_disturbances, rms, wandered_mm,
 };
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
@@ -17,7 +17,8 @@ use crate::lengths::instead::add_what_moves_instead;
 use crate::lengths::named::left_alone;
 use crate::lengths::noise_floor::{mean_noise_um, noise_floor_um};
 use crate::lengths::places::places;
-use crate::lengths::search::{Looked, looked_at};
+use crate::lengths::search::looked_at;
+use crate::numbers::root_mean_square;
 use crate::said::Said;
 
 /// Finds where the lengths contradict the rigid, quasi-static model, and why, starting from the adjustment of their
@@ -28,12 +29,7 @@ pub(crate) fn diagnose_lengths(
     adjustment: Option<&LengthsAdjustment<'_>>,
 ) -> Result<(Said, Vec<f64>), Error> {
     let (base, looked) = looked_at(Base::new(campaign, lengths, adjustment)?, lengths)?;
-    let Looked {
-        plain,
-        before,
-        mut named,
-        not_observable,
-    } = looked;
+    let mut named = looked.named;
     let held_out_by = |model: &Competed<Base<'_>>| match model.is_plain() {
         true => None,
         false => held_out_sweeps(&model.base, &model.search.adjusted),
@@ -41,15 +37,13 @@ pub(crate) fn diagnose_lengths(
     let mut heldout = held_out_by(&named.competed);
     // Causes that predict unused data worse than nothing are not named.
     if heldout.is_some_and(|h| h.is_loss()) && !named.competed.search.found.is_empty() {
-        named = left_alone(&base, plain.network.noise, &before)?;
+        named = left_alone(&base, looked.plain.network.noise, &looked.before)?;
         heldout = held_out_by(&named.competed);
     }
     let mut competed = named.competed;
     add_rival_disturbances(&mut competed)?;
-    let Search {
-        found, adjusted, ..
-    } = &mut competed.search;
-    add_what_moves_instead(&competed.base, adjusted, found)?;
+    let search = &mut competed.search;
+    add_what_moves_instead(&competed.base, &search.adjusted, &mut search.found)?;
     let (base, current) = (&competed.base, &competed.search.adjusted);
     let wandered_mm = wandered_mm(base, current, None);
     let rest = base.less(current, &wandered_mm)?;
@@ -70,7 +64,7 @@ pub(crate) fn diagnose_lengths(
             true => None,
             false => held_out_stations(base, current),
         },
-        tests: [before, named.after],
+        tests: [looked.before, named.after],
         unexplained: named.unexplained,
         left: &rest.projection,
         places: &|misfits| places(base, misfits),
@@ -81,7 +75,7 @@ pub(crate) fn diagnose_lengths(
     })?;
     let said = Said {
         entries: vec![entry],
-        not_observable,
+        not_observable: looked.not_observable,
         notices: notices(base),
         ..Said::default()
     };
@@ -133,6 +127,5 @@ fn rms_of_effect_um(base: &Base<'_>, current: &Adjusted, suspect: &Suspect) -> f
     let alone = std::slice::from_ref(suspect);
     let effects_mm = base.readings.iter();
     let effects_mm = effects_mm.map(|r| base.effect_mm(r, &current.solution, alone));
-    let squares: f64 = effects_mm.map(|e| e * e).sum();
-    (squares / base.readings.len() as f64).sqrt() * 1e3
+    root_mean_square(&effects_mm.collect::<Vec<f64>>()) * 1e3
 }

@@ -7,7 +7,8 @@ use trueaxis_screening::Removed;
 use trueaxis_selection::{Hypothesis, Null};
 
 use crate::engine::{
-    Candidates, Omnibus, Search, compete, find_causes, is_tested, of_catalogue, scans, untested,
+    Candidates, Measured, Omnibus, Search, compete, find_causes, is_tested, of_catalogue, scans,
+    untested,
 };
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
@@ -86,8 +87,7 @@ struct Searched {
     plain: Adjusted,
     /// The tests of this model.
     before: Vec<Omnibus>,
-    all: Vec<Hypothesis>,
-    null: Null,
+    candidates: Candidates,
     search: Search<Adjusted>,
     not_observable: Vec<NotObservable>,
 }
@@ -114,7 +114,8 @@ impl Searched {
         };
         let null = Null::simulated(&plain.projection, scans);
         let bare = base.adjust(Vec::new(), Some(plain.network.noise))?;
-        let search = find_causes(base, bare, &all, scans, &null)?;
+        let candidates = Candidates { all, null };
+        let search = find_causes(base, bare, &candidates, scans)?;
         Ok(Self {
             not_observable: [
                 not_observable(&base.scene, &first.without_trace),
@@ -123,8 +124,7 @@ impl Searched {
             .concat(),
             plain,
             before,
-            all,
-            null,
+            candidates,
             search,
         })
     }
@@ -132,12 +132,8 @@ impl Searched {
     /// Finds disturbances beside the causes or instead of them, and names the causes.
     fn look<'a>(self, base: &Base<'a>) -> Result<Looked<'a>, Error> {
         let Self { plain, before, .. } = self;
-        let candidates = Candidates {
-            all: &self.all,
-            null: &self.null,
-        };
         let is_quiet = before.iter().all(|t| t.test.p_value >= WORTH_A_LOOK);
-        let model = compete(base, is_quiet, self.search, &candidates)?;
+        let model = compete(base, is_quiet, self.search, &self.candidates)?;
         Ok(Looked {
             named: named(base, model, plain.network.noise, &before)?,
             plain,

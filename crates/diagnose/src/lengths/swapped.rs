@@ -47,10 +47,7 @@ fn with_other_name(base: &Base<'_>, suspect: &Suspect) -> Option<Suspect> {
         effect: effect(other)?,
         ..suspect.hypothesis
     };
-    let parameters = hypothesis
-        .effect
-        .parameters(&base.scene, &hypothesis.subject);
-    let count = parameters.len();
+    let count = hypothesis.parameters(&base.scene).len();
     Some(Suspect {
         hypothesis,
         shape: suspect.shape,

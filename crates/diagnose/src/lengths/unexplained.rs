@@ -7,9 +7,9 @@ use trueaxis_files::told_period;
 
 use crate::Unexplained;
 use crate::engine::{Omnibus, Suspect, unexplained};
-use crate::extremes::extremes;
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
+use crate::numbers::{extremes, squares};
 
 /// What is left beyond the noise, and what it varies with.
 pub(crate) fn unexplained_part(
@@ -19,8 +19,7 @@ pub(crate) fn unexplained_part(
     closest: Option<&(Suspect, f64)>,
 ) -> Unexplained {
     let dof = current.projection.degrees_of_freedom;
-    let squares: f64 = current.solution.residuals_mm.iter().map(|r| r * r).sum();
-    let rms_um = (squares / dof).sqrt() * 1e3;
+    let rms_um = (squares(&current.solution.residuals_mm) / dof).sqrt() * 1e3;
     let part = unexplained(Level::Lengths, &current.projection, after, rms_um);
     let mut note = match part.varies_with.as_slice() {
         [] => "more than one effect of the catalogue, and none alone".to_owned(),

@@ -18,6 +18,7 @@ use trueaxis_screening::{CoordinateNoise, CoordinateReading, StepReadings};
 use trueaxis_selection::Hypothesis;
 
 use crate::engine::disturbance::Disturbance;
+use crate::numbers::distinct;
 use crate::points::readings::{Reading, Readings};
 
 /// The points of a campaign about one adjustment.
@@ -95,12 +96,10 @@ impl<'a> Base<'a> {
             }
         }
         let pose = |reading: &Reading| reading.pose.map_or(still, |pose| poses[pose]);
-        let modelled: Vec<Point3<f64>> = readings
-            .all
-            .iter()
-            .map(|r| pose(r) * shapes_mm[r.shape])
-            .collect();
+        let modelled = readings.all.iter().map(|r| pose(r) * shapes_mm[r.shape]);
+        let modelled: Vec<Point3<f64>> = modelled.collect();
         let arms: Vec<Arm> = of_pose.iter().map(|own| Arm::of(own, &modelled)).collect();
+        let by_shape = |r: &Reading| pose(r).rotation.to_rotation_matrix().into_inner();
         let misfit = readings.all.iter().zip(&modelled);
         let misfit_mm = misfit.flat_map(|(r, p)| <[f64; 3]>::from(r.measured_mm - p));
         let mut base = Self {
@@ -108,11 +107,7 @@ impl<'a> Base<'a> {
             scene,
             misfit_mm: misfit_mm.collect(),
             by_pose: by_pose(&readings, &modelled, &arms),
-            by_shape: readings
-                .all
-                .iter()
-                .map(|r| pose(r).rotation.to_rotation_matrix().into_inner())
-                .collect(),
+            by_shape: readings.all.iter().map(by_shape).collect(),
             places_mm: places_mm(&readings, &modelled, &instrument_from_datum),
             instrument_from_datum,
             disturbances: Vec::new(),
@@ -216,14 +211,13 @@ impl<'a> Base<'a> {
     }
 
     /// Changes of all coordinates by a unit of each parameter of a hypothesis, mm.
-    pub(crate) fn columns_mm(&self, hypothesis: &Hypothesis, shape: f64) -> Vec<Vec<f64>> {
-        let (effect, subject) = (hypothesis.effect, &hypothesis.subject);
-        let count = effect.parameters(self.scene, subject).len();
+    pub(crate) fn columns_at(&self, hypothesis: &Hypothesis, shape: f64) -> Vec<Vec<f64>> {
+        let count = hypothesis.parameters(self.scene).len();
         let mut columns = vec![Vec::with_capacity(self.misfit_mm.len()); count];
         for i in 0..self.readings.all.len() {
             let at = self.at(i);
             for (k, column) in columns.iter_mut().enumerate() {
-                let shown_mm = self.shown_mm(&effect.form(subject, k, shape, &at));
+                let shown_mm = self.shown_mm(&hypothesis.form(k, shape, &at));
                 column.extend(self.in_rows(i, shown_mm).iter());
             }
         }
@@ -237,7 +231,6 @@ impl<'a> Base<'a> {
     }
 }
 
-/// The readings of each pose.
 pub(crate) fn of_pose(readings: &Readings) -> Vec<Vec<usize>> {
     let mut of_pose = vec![Vec::new(); readings.steps.len()];
     for (i, reading) in readings.all.iter().enumerate() {
@@ -258,10 +251,7 @@ fn fitted(
     let of = |i: &usize| &readings.all[*i];
     let measured: Vec<Point3<f64>> = own.iter().map(|i| of(i).measured_mm).collect();
     let home: Vec<Point3<f64>> = own.iter().map(|i| shapes_mm[of(i).shape]).collect();
-    let mut shapes: Vec<usize> = own.iter().map(|i| of(i).shape).collect();
-    shapes.sort_unstable();
-    shapes.dedup();
-    if shapes.len() >= TARGETS_OF_A_POSE {
+    if distinct(own.iter().map(|i| of(i).shape)).len() >= TARGETS_OF_A_POSE {
         return best_fit(&home, &measured);
     }
     let left = measured.iter().zip(&home).map(|(p, h)| p - pose * h);

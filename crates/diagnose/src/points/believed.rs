@@ -5,7 +5,7 @@ use trueaxis_selection::{Fit, Hypothesis, Null};
 use crate::Error;
 use crate::engine::{
     Candidates, Competed, Found, HeldOut, Measured, OMNIBUS_LEVEL, Omnibus, Search, Suspect,
-    compete, find_causes, is_imitation, revised, scans, still_left,
+    compete, find_causes, is_imitation, revised, scans, still_left, with_parameters,
 };
 use crate::points::base::Base;
 use crate::points::doubted::robust_sigma;
@@ -43,9 +43,9 @@ impl<'a> Believed<'a> {
     ) -> Result<Self, Error> {
         let base = &screened.base;
         let first = scans(base, &plain, &plain.projection, all).scans;
-        let null = Null::simulated(&plain.projection, &first);
-        let search = find_causes(base, plain, all, &first, &null)?;
-        let candidates = Candidates { all, null: &null };
+        let (all, null) = (all.to_vec(), Null::simulated(&plain.projection, &first));
+        let candidates = Candidates { all, null };
+        let search = find_causes(base, plain, &candidates, &first)?;
         // No test looks at what an axis does with time.
         let mut model = compete(base, false, search, &candidates)?;
         loop {
@@ -63,29 +63,23 @@ impl<'a> Believed<'a> {
     /// left. Among many gross errors, which imitate anything, causes must predict better and be most of the misfit.
     fn of(mut competed: Competed<Base<'a>>, are_many: bool) -> Result<Self, Error> {
         loop {
-            let Competed {
-                base,
-                search,
-                wandering,
-            } = &mut competed;
+            let (base, search) = (&competed.base, &mut competed.search);
             let (found, model) = (&mut search.found, &search.adjusted);
             let count = found.len();
             let families = families(base, model);
             let after = omnibus(model, &families);
             let left = still_left(&families, &after, OMNIBUS_LEVEL, |t| t.excess);
             let is_one = |cause: &Found| {
-                let Suspect {
-                    hypothesis, shape, ..
-                } = &cause.suspect;
-                let columns = base.columns(model)(hypothesis, *shape);
+                let own = &cause.suspect;
+                let columns = base.columns(model)(&own.hypothesis, own.shape);
                 let fit = Fit::new(&model.bare, &columns);
-                is_imitation(&model.bare, &fit, hypothesis.is_of_time(), &left)
+                is_imitation(&model.bare, &fit, own.hypothesis.is_of_time(), &left)
             };
             // Causes found after an imitation are removed with it.
             let first = found.iter().position(is_one);
             found.truncate(first.unwrap_or(count));
             if found.len() == count {
-                let is_plain = found.is_empty() && wandering.is_empty();
+                let is_plain = found.is_empty() && competed.wandering.is_empty();
                 let heldout = match is_plain {
                     true => None,
                     false => held_out(base, model, &suspects(found)),
@@ -104,9 +98,7 @@ impl<'a> Believed<'a> {
                 found.clear();
             }
             search.adjusted = base.adjust(suspects(found), None)?;
-            for (found, suspect) in found.iter_mut().zip(&search.adjusted.suspects) {
-                found.suspect = suspect.clone();
-            }
+            with_parameters::<Base<'_>>(found, &search.adjusted);
         }
     }
 

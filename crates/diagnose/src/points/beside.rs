@@ -1,10 +1,9 @@
 //! The points with disturbances in their covariance.
 
-use trueaxis_effects::{Displaced, Subject};
-use trueaxis_selection::Projection;
+use trueaxis_effects::Circumstances;
 
 use crate::engine::Wanders;
-use crate::engine::coordinate::{self, Coordinate};
+use crate::engine::coordinate::moved;
 use crate::engine::disturbance::{Disturbance, Here, Wanderer, Who, With, targets_and_axes};
 use crate::points::base::Base;
 use crate::points::model::Model;
@@ -15,8 +14,9 @@ use crate::points::readings::Reading;
 impl Wanders for Base<'_> {
     const ROWS: usize = 3;
 
-    fn wanderers(&self) -> Vec<(Who, With)> {
-        let mut all = vec![(Who::Machine, With::Campaign), (Who::Frame, With::Campaign)];
+    fn wanderers(&self) -> Vec<Wanderer> {
+        let all = [Who::Machine, Who::Frame];
+        let mut all = all.map(|who| Wanderer::new(who, With::Campaign)).to_vec();
         all.extend(targets_and_axes(self.scene, |axis, side| {
             let mut readings = self.readings.all.iter();
             readings.any(|r| r.axis == Some(axis) && r.side * side > 0.0)
@@ -53,19 +53,12 @@ impl Wanders for Base<'_> {
         range(self, axis)
     }
 
-    fn columns_mm(&self, _: &Model, wanderer: Wanderer) -> Vec<Vec<f64>> {
+    fn courses_mm(&self, _: &Model, wanderer: Wanderer) -> Vec<Vec<f64>> {
         self.columns_of_unit_mm(wanderer)
     }
 
-    fn moved(
-        &self,
-        _: &Model,
-        coordinates: &[Coordinate],
-        subject: &Subject,
-    ) -> Vec<Vec<Displaced>> {
-        let all = 0..self.readings.all.len();
-        all.map(|i| coordinate::moved(coordinates, subject, &self.at(i)))
-            .collect()
+    fn circumstances<'c>(&'c self, _: &Model, reading: usize) -> Circumstances<'c> {
+        self.at(reading)
     }
 
     fn beside(&self, disturbances: Vec<Disturbance>) -> Self {
@@ -82,10 +75,6 @@ impl Wanders for Base<'_> {
         let parts = noise.own_mm.iter().chain(&noise.return_mm);
         parts.map(|sigma| sigma * sigma).sum()
     }
-
-    fn with(model: &Model, projection: Projection) -> Model {
-        model.with_projection(projection)
-    }
 }
 
 impl Base<'_> {
@@ -93,7 +82,7 @@ impl Base<'_> {
     pub(crate) fn columns_of_unit_mm(&self, wanderer: Wanderer) -> Vec<Vec<f64>> {
         let subject = wanderer.subject();
         wanderer.columns(self.scene, &self.here(), |i, coordinates| {
-            let moved = coordinate::moved(coordinates, &subject, &self.at(i));
+            let moved = moved(coordinates, &subject, &self.at(i));
             let in_rows = |moved| self.in_rows(i, self.shown_mm(moved)).into();
             moved.iter().map(in_rows).collect()
         })

@@ -8,6 +8,7 @@ use trueaxis_leastsquares::median;
 
 use crate::Unexplained;
 use crate::engine::{ACCIDENTS, first_lines, most};
+use crate::numbers::squares;
 use crate::points::base::Base;
 use crate::points::model::Model;
 
@@ -20,11 +21,8 @@ const FAR: f64 = 8.0;
 /// Lengths of the whitened residuals of all points.
 fn lengths(base: &Base<'_>, model: &Model) -> Vec<f64> {
     let residuals = model.projection.residuals.chunks_exact(3);
-    let length = |row: &[f64]| row.iter().map(|e| e * e).sum::<f64>().sqrt();
-    residuals
-        .map(length)
-        .take(base.readings.all.len())
-        .collect()
+    let lengths = residuals.map(|row| squares(row).sqrt());
+    lengths.take(base.readings.all.len()).collect()
 }
 
 /// Standard deviation of the whitened residuals by their median length, which wrong points do not move.
@@ -69,10 +67,6 @@ pub(crate) fn doubted(
         base.readings.stops.len(),
         first_lines(lines)
     );
-    Some(Unexplained::new(
-        Level::Points,
-        rms_um,
-        vec!["reading"],
-        note,
-    ))
+    let left = Unexplained::new(Level::Points, rms_um, vec!["reading"], note);
+    Some(left)
 }

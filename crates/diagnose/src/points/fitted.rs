@@ -56,5 +56,5 @@ pub(crate) fn fitted(
         let target = &base.scene.targets[group / 3].name;
         format!("{} of target {target}", ["x", "y", "z"][group % 3])
     };
-    Ok(Fitted::of_coordinates(&rows, 3, name, base.scene))
+    Ok(Fitted::new(&rows, 3, name, base.scene))
 }

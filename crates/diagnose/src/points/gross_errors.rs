@@ -13,6 +13,7 @@ use trueaxis_selection::Gram;
 
 use crate::Rejected;
 use crate::engine::{ACCIDENT_LEVEL, ACCIDENTS, LEAST_OTHERS, Tested, most};
+use crate::numbers::distinct;
 use crate::points::base::Base;
 use crate::points::model::{Model, left_of};
 use crate::points::readings::Reading;
@@ -169,13 +170,8 @@ fn first_of_steps(mut found: Vec<Gross>) -> Vec<Gross> {
 
 /// Whether these are so few and so scattered that they are accidents.
 pub(crate) fn are_accidents(gross: &[Gross], base: &Base<'_>, points: &Points) -> bool {
-    let steps = |gross: &[Gross]| {
-        let mut steps: Vec<usize> = gross.iter().map(|g| g.step).collect();
-        steps.sort_unstable();
-        steps.dedup();
-        steps.len()
-    };
-    if steps(gross) > most(ACCIDENTS, points.readings.len()) {
+    let steps = distinct(gross.iter().map(|own| own.step)).len();
+    if steps > most(ACCIDENTS, points.readings.len()) {
         return false;
     }
     // In measuring order, target by target.

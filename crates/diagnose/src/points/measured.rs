@@ -44,15 +44,11 @@ impl Measured for Base<'_> {
         &model.suspects
     }
 
-    fn columns<'m>(
+    fn columns_mm<'m>(
         &'m self,
-        model: &'m Model,
+        _: &'m Model,
     ) -> impl Fn(&Hypothesis, f64) -> Vec<Vec<f64>> + Sync + 'm {
-        |hypothesis, shape| model.whitened(self, &self.columns_mm(hypothesis, shape))
-    }
-
-    fn unwhitened(&self, _: &Model, hypothesis: &Hypothesis) -> Vec<Vec<f64>> {
-        self.columns_mm(hypothesis, f64::NEG_INFINITY)
+        |hypothesis, shape| self.columns_at(hypothesis, shape)
     }
 
     fn whiten(&self, model: &Model, column: &mut [f64]) {
@@ -94,9 +90,7 @@ impl Measured for Base<'_> {
     /// A displacement without a range of its own is at most that of a frame that somebody bumped: farther off it is
     /// another point, and everything here is linear.
     fn plausible(&self, hypothesis: &Hypothesis) -> Vec<Option<[f64; 2]>> {
-        let of = hypothesis
-            .effect
-            .parameters(self.scene, &hypothesis.subject);
+        let of = hypothesis.parameters(self.scene);
         let farthest_um = match hypothesis.effect.shape {
             Shape::Instant => FARTHEST_UM,
             _ => CREPT_UM,
@@ -107,9 +101,7 @@ impl Measured for Base<'_> {
 
     /// The machine as a whole and the frame of the instrument have the same courses in time.
     fn culprit(&self, suspect: &Suspect) -> Culprit {
-        let Hypothesis {
-            effect, subject, ..
-        } = suspect.hypothesis;
+        let (effect, subject) = (suspect.hypothesis.effect, suspect.hypothesis.subject);
         match (subject.axis, subject.target) {
             (Some(axis), _) => Culprit::Axis(axis, effect),
             (None, Some(target)) => Culprit::Target(target, false),
@@ -132,7 +124,7 @@ impl Measured for Base<'_> {
 impl Base<'_> {
     /// The columns of suspects one after the other, mm.
     pub(crate) fn columns_of(&self, suspects: &[Suspect]) -> Vec<Vec<f64>> {
-        let of = |suspect: &Suspect| self.columns_mm(&suspect.hypothesis, suspect.shape);
+        let of = |suspect: &Suspect| self.columns_at(&suspect.hypothesis, suspect.shape);
         suspects.iter().flat_map(of).collect()
     }
 }

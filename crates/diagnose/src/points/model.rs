@@ -8,7 +8,8 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, SymmetricEigen};
 use trueaxis_selection::{Fit, Projection};
 
-use crate::engine::{Suspect, Wanders};
+use crate::engine::{Suspect, Wanders, whitened};
+use crate::numbers::squares;
 use crate::points::base::{Base, of_pose};
 use crate::points::noise::{Noise, StopWhitening};
 use crate::points::readings::Reading;
@@ -16,7 +17,6 @@ use crate::points::readings::Reading;
 /// An adjusted model.
 pub(crate) struct Model {
     pub(crate) noise: Noise,
-    /// The whitening of each stop.
     pub(crate) whitening: Arc<Vec<StopWhitening>>,
     /// Weight of each stop: 1, or practically none if it is held out.
     weights: Vec<f64>,
@@ -58,24 +58,15 @@ impl Model {
         };
         for own in &base.disturbances {
             let columns_mm = base.columns_of_unit_mm(own.wanderer);
-            let columns = model.whitened(base, &own.scaled(base.scene, &base.here(), columns_mm));
+            let scaled = own.scaled(base.scene, &base.here(), columns_mm);
+            let columns = whitened(base, &model, scaled);
             model.bare = model.bare.beside(&columns).0;
         }
-        let columns = model.whitened(base, causes_mm);
+        let columns = whitened(base, &model, causes_mm.to_vec());
         model.projection = model.bare.extended(&columns);
         model
     }
 
-    /// Columns whitened like those of the model.
-    pub(crate) fn whitened(&self, base: &Base<'_>, columns_mm: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let mut columns = columns_mm.to_vec();
-        columns
-            .iter_mut()
-            .for_each(|column| self.whiten(base, column));
-        columns
-    }
-
-    /// Whitens one column.
     pub(crate) fn whiten(&self, base: &Base<'_>, column: &mut [f64]) {
         whiten(base, (&self.whitening, &self.weights), column);
     }
@@ -87,24 +78,10 @@ impl Model {
         }
     }
 
-    /// The same with another projection and without causes.
-    pub(crate) fn with_projection(&self, projection: Projection) -> Self {
-        Self {
-            noise: self.noise,
-            whitening: self.whitening.clone(),
-            weights: self.weights.clone(),
-            bare: self.bare.clone(),
-            projection,
-            suspects: Vec::new(),
-        }
-    }
-
     /// The same with the parameters of its causes, fitted together.
     pub(crate) fn fitted(self, base: &Base<'_>, suspects: Vec<Suspect>) -> Self {
-        let fit = Fit::new(
-            &self.bare,
-            &self.whitened(base, &base.columns_of(&suspects)),
-        );
+        let columns = whitened(base, &self, base.columns_of(&suspects));
+        let fit = Fit::new(&self.bare, &columns);
         let mut first = 0;
         let of_one = |suspect: Suspect| {
             let own = first..first + suspect.parameters.len();
@@ -172,10 +149,8 @@ fn eliminated(base: &Base<'_>, whiten: impl Fn(&mut Vec<f64>)) -> Projection {
     let mut residuals = base.misfit_mm.clone();
     whiten(&mut residuals);
     let own = (0..6).map(|k| {
-        let values = base
-            .by_pose
-            .iter()
-            .flat_map(|by| by.column(k).into_owned().data.0[0]);
+        let by_pose = base.by_pose.iter();
+        let values = by_pose.flat_map(|by| by.column(k).into_owned().data.0[0]);
         let mut column: Vec<f64> = values.collect();
         whiten(&mut column);
         column
@@ -189,8 +164,7 @@ fn eliminated(base: &Base<'_>, whiten: impl Fn(&mut Vec<f64>)) -> Projection {
         }
     }
     shapes.iter_mut().for_each(&whiten);
-    let length = |column: &Vec<f64>| column.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let lengths: Vec<f64> = shapes.iter().map(length).collect();
+    let lengths: Vec<f64> = shapes.iter().map(|column| squares(column).sqrt()).collect();
 
     // O, and everything else orthogonal to it.
     let mut basis = vec![0.0; 6 * rows];
@@ -210,14 +184,9 @@ fn eliminated(base: &Base<'_>, whiten: impl Fn(&mut Vec<f64>)) -> Projection {
         }
         for column in shapes.iter_mut().chain([&mut residuals]) {
             for k in 0..unit.ncols() {
-                let along: f64 = of
-                    .iter()
-                    .enumerate()
-                    .map(|(i, &r)| unit[(i, k)] * column[r])
-                    .sum();
-                of.iter()
-                    .enumerate()
-                    .for_each(|(i, &r)| column[r] -= along * unit[(i, k)]);
+                let rows = || of.iter().enumerate();
+                let along: f64 = rows().map(|(i, &r)| unit[(i, k)] * column[r]).sum();
+                rows().for_each(|(i, &r)| column[r] -= along * unit[(i, k)]);
             }
         }
     }

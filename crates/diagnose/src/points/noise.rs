@@ -80,7 +80,6 @@ fn add(factor: f64, of: &[f64], to: &mut [f64]) {
 }
 
 impl Noise {
-    /// The whitening of each stop.
     pub(crate) fn whitening(&self, readings: &Readings) -> Vec<StopWhitening> {
         let stops = readings.stops.iter();
         let of_stop = |stop: &std::ops::Range<usize>| self.of_stop(&readings.all[stop.clone()]);

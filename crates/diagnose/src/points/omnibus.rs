@@ -9,16 +9,16 @@
 
 use nalgebra::Vector3;
 
-use crate::engine::{Family, MOST_OF_FREEDOM, Omnibus, waves_of};
-use crate::extremes::extremes;
+use crate::engine::{Family, MOST_OF_FREEDOM, Omnibus, waves_of, whitened};
+use crate::numbers::extremes;
 use crate::points::base::Base;
 use crate::points::model::Model;
 use crate::points::readings::Reading;
 
-const OF_TIME: u32 = 12;
-const OF_TARGET: u32 = 4;
-const OF_POSITION: u32 = 4;
-const OF_DIRECTION: u32 = 2;
+const OF_TIME: usize = 12;
+const OF_TARGET: usize = 4;
+const OF_POSITION: usize = 4;
+const OF_DIRECTION: usize = 2;
 
 /// All families, whitened like the points of a model.
 pub(crate) fn families(base: &Base<'_>, model: &Model) -> Vec<Family> {
@@ -43,7 +43,7 @@ pub(crate) fn families(base: &Base<'_>, model: &Model) -> Vec<Family> {
         let columns: Vec<Vec<Vec<f64>>> = courses.iter().map(of_course).collect();
         Family {
             varies_with,
-            columns: model.whitened(base, &columns.concat()),
+            columns: whitened(base, model, columns.concat()),
         }
     };
     let over_time = |r: &Reading| Some((0, r.progress));

@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Point3};
 use trueaxis_campaign::{Campaign, Points, Stop};
 use trueaxis_poses::constant_feed_per_s;
 
-use crate::extremes::extremes;
+use crate::numbers::extremes;
 
 /// A measured point.
 #[derive(Debug, Clone)]

@@ -78,12 +78,7 @@ fn said(
     points: &Points,
     believed: Believed<'_>,
 ) -> Result<(Said, Option<Campaign>), Error> {
-    let gross = &screened.gross;
-    let Believed {
-        competed,
-        after,
-        heldout,
-    } = believed;
+    let (gross, competed, after) = (&screened.gross, believed.competed, believed.after);
     let (base, model) = (&competed.base, &competed.search.adjusted);
     // Both models in the final noise.
     let sharp = Model::with(&base.beside(Vec::new()), &[], model.noise, None);
@@ -107,7 +102,7 @@ fn said(
         sharp: &sharp,
         noise_um,
         floor_um: noise_um,
-        heldout,
+        heldout: believed.heldout,
         stations_out: None,
         tests: [before, after],
         unexplained,

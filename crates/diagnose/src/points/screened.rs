@@ -104,12 +104,9 @@ pub(super) fn without(points: &Points, removed: &[usize]) -> Points {
     let mut kept = Points::default();
     for stop in &points.stops {
         let first = kept.readings.len();
-        let own = stop
-            .readings
-            .clone()
-            .filter(|number| !removed.contains(number));
-        kept.readings
-            .extend(own.map(|number| points.readings[number].clone()));
+        let own = stop.readings.clone().filter(|k| !removed.contains(k));
+        let own = own.map(|number| points.readings[number].clone());
+        kept.readings.extend(own);
         if kept.readings.len() > first {
             let mut stop = stop.clone();
             stop.readings = first..kept.readings.len();

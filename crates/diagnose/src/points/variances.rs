@@ -13,6 +13,7 @@
 use trueaxis_leastsquares::{chi_squared_upper_tail, dot};
 
 use crate::engine::rms;
+use crate::numbers::squares;
 use crate::points::base::Base;
 use crate::points::model::{Model, left_of};
 use crate::points::noise::Noise;
@@ -71,10 +72,8 @@ impl Part {
         if self.0.iter().any(|&(s, r)| r < TOLD_APART || s <= 0.0) {
             return false;
         }
-        let (squares, redundancy) = self
-            .0
-            .iter()
-            .fold((0.0, 0.0), |sum, p| (sum.0 + p.0, sum.1 + p.1));
+        let sum = |of: fn(&(f64, f64)) -> f64| self.0.iter().map(of).sum::<f64>();
+        let (squares, redundancy) = (sum(|p| p.0), sum(|p| p.1));
         let of_each = self.0.iter().map(|(s, r)| r * (s / r).ln());
         let statistic = redundancy * (squares / redundancy).ln() - of_each.sum::<f64>();
         chi_squared_upper_tail(statistic, FREE) < DIFFER
@@ -84,11 +83,8 @@ impl Part {
 impl Model {
     /// With columns of causes (mm) and the noise that they leave.
     pub(crate) fn estimated(base: &Base<'_>, causes_mm: &[Vec<f64>]) -> Self {
-        let declared_mm = base
-            .campaign
-            .instrument
-            .repeatability_um
-            .map(|um| um * 1e-3);
+        let declared_um = base.campaign.instrument.repeatability_um;
+        let declared_mm = declared_um.map(|um| um * 1e-3);
         let unit = Noise {
             own_mm: [1e-3; 3],
             return_mm: [declared_mm.unwrap_or(1e-3); 3],
@@ -117,7 +113,7 @@ impl Model {
                     None => {}
                 }
             }
-            let usual_mm2 = noise.own_mm.iter().map(|own| own * own).sum::<f64>() / 3.0;
+            let usual_mm2 = squares(&noise.own_mm) / 3.0;
             for return_mm in &mut noise.return_mm {
                 if return_mm.powi(2) < NONE * usual_mm2 {
                     *return_mm = 0.0;

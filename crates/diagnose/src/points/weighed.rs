@@ -6,6 +6,7 @@
 use trueaxis_campaign::Points;
 use trueaxis_screening::{Scatter, uneven};
 
+use crate::numbers::mean;
 use crate::points::base::Base;
 use crate::points::model::Model;
 
@@ -37,8 +38,7 @@ pub(super) fn weighed<'a>(
         let larger = told.iter().map(|&target| {
             let others = (0..scatters.len()).filter(|k| carrier(*k) == carrier(target));
             let others = others.filter(|k| !told.contains(k)).filter_map(variance);
-            let others: Vec<f64> = others.collect();
-            let usual = others.iter().sum::<f64>() / others.len() as f64;
+            let usual = mean(&others.collect::<Vec<f64>>());
             variance(target).map_or(1.0, |own| (own / usual).sqrt())
         });
         let larger: Vec<f64> = larger.collect();

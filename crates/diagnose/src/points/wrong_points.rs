@@ -30,17 +30,11 @@ pub struct KeptWrongPoint {
 impl KeptWrongPoint {
     /// The notice about it.
     pub fn in_words(&self) -> String {
-        let Rejected {
-            file,
-            row,
-            error_um,
-            u_um,
-            reason,
-        } = &self.wrong;
+        let (wrong, place) = (&self.wrong, &self.place);
         format!(
-            "{file} line {row}: off by {error_um:.1} µm (u = {u_um:.1} µm): {reason}; it was kept, since a pose of {} would have fewer than three \
+            "{} line {}: off by {:.1} µm (u = {:.1} µm): {}; it was kept, since a pose of {place} would have fewer than three \
              targets without it: do not trust the results there until the step is measured again",
-            self.place
+            wrong.file, wrong.row, wrong.error_um, wrong.u_um, wrong.reason
         )
     }
 }
@@ -65,11 +59,8 @@ pub fn without_wrong_points(campaign: &Campaign, by_direction: bool) -> Option<W
     let mut kept: Vec<KeptWrongPoint> = Vec::new();
     for of_step in gross.chunk_by(|a, b| a.step == b.step) {
         let own = of_step.iter().flat_map(|own| &own.points);
-        let with_own: Vec<usize> = removed
-            .iter()
-            .copied()
-            .chain(own.map(|p| p.number))
-            .collect();
+        let own: Vec<usize> = own.map(|point| point.number).collect();
+        let with_own = [&removed[..], &own].concat();
         let wrong = of_step.iter().flat_map(Gross::rejected);
         if has_poses(campaign, points, &with_own, by_direction) {
             removed = with_own;

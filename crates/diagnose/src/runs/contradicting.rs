@@ -9,37 +9,32 @@ use crate::{LevelReport, Misfit, OmnibusTest, Shares, Unexplained};
 
 /// The result of one test of the calibration.
 struct Contradiction {
-    test: OmnibusTest,
+    said: String,
+    columns: usize,
+    p_value: f64,
     chi_squared: f64,
     /// Size of the difference of the runs.
     differs_mm: f64,
-}
-
-fn test(said: String, columns: usize, p_value: f64) -> OmnibusTest {
-    OmnibusTest {
-        varies_with: "run",
-        detail: Some(said),
-        columns,
-        p_value,
-    }
 }
 
 /// What the calibration rejects: contradictory runs of one axis, and runs in which the stage is turned.
 pub(crate) fn contradicting_runs(calibration: &Calibration) -> Option<Entry> {
     let of_axes = calibration.axes.iter().filter_map(|axis| {
         let own = axis.runs.as_ref()?;
-        let said = format!("runs {} of axis {} differ", own.runs.join(", "), axis.name);
         Some(Contradiction {
-            test: test(said, own.degrees_of_freedom, own.p_value),
+            said: format!("runs {} of axis {} differ", own.runs.join(", "), axis.name),
+            columns: own.degrees_of_freedom,
+            p_value: own.p_value,
             chi_squared: own.chi_squared,
             differs_mm: own.rms_mm,
         })
     });
     let turned = calibration.turned_runs.iter().map(|own| {
         let runs = own.runs.join(" and ");
-        let said = format!("runs {runs} are turned against each other");
         Contradiction {
-            test: test(said, own.degrees_of_freedom, own.p_value),
+            said: format!("runs {runs} are turned against each other"),
+            columns: own.degrees_of_freedom,
+            p_value: own.p_value,
             chi_squared: own.chi_squared,
             differs_mm: own.moved_mm,
         }
@@ -47,19 +42,25 @@ pub(crate) fn contradicting_runs(calibration: &Calibration) -> Option<Entry> {
     let all: Vec<Contradiction> = of_axes.chain(turned).collect();
     let largest_mm = all.iter().map(|own| own.differs_mm).reduce(f64::max)?;
     let squares: f64 = all.iter().map(|own| own.chi_squared).sum();
-    let tests: Vec<OmnibusTest> = all.into_iter().map(|own| own.test).collect();
-    let columns = tests.iter().map(|test| test.columns).sum::<usize>() as f64;
+    let columns = all.iter().map(|own| own.columns).sum::<usize>() as f64;
     let noise = (columns / squares.max(columns)).min(1.0);
     let rms_um = largest_mm / MICROMETRE;
     let misfit = Misfit {
         rms_um,
         heldout_rms_um: None,
     };
-    let said: Vec<&str> = tests.iter().filter_map(|t| t.detail.as_deref()).collect();
+    let said: Vec<&str> = all.iter().map(|own| own.said.as_str()).collect();
     let said = said.join("; ");
     let note = format!(
         "{said}: the instrument or its frame was moved between runs, the machine shifted, or one axis moves another"
     );
+    let tests = all.into_iter().map(|own| OmnibusTest {
+        varies_with: "run",
+        detail: Some(own.said),
+        columns: own.columns,
+        p_value: own.p_value,
+    });
+    let tests: Vec<OmnibusTest> = tests.collect();
     Some(Entry {
         causes: Vec::new(),
         disturbances: Vec::new(),

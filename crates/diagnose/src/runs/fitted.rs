@@ -8,6 +8,7 @@ use trueaxis_selection::Projection;
 
 use crate::engine::linear::Judged;
 use crate::fitted::{Fitted, Row};
+use crate::numbers::squares_about_mean;
 
 /// The figure for one run: the three displacements or the three rotations of its poses, whichever vary more along the
 /// axis, without what the runs share and what each may have alone.
@@ -32,7 +33,7 @@ pub(super) fn fitted(
     let runs = runs.iter().map(|shown| (shown, shown.rows(judged)));
     let shown = runs.max_by(|(_, a), (_, b)| variation(a).total_cmp(&variation(b)));
     let (shown, rows) = shown?;
-    let fitted = Fitted::of_coordinates(&rows, 3, |group| shown.name(group, scene), scene)?;
+    let fitted = Fitted::new(&rows, 3, |group| shown.name(group, scene), scene)?;
     Some(fitted.of_angles(shown.is_angular))
 }
 
@@ -40,13 +41,8 @@ pub(super) fn fitted(
 /// course.
 fn variation(rows: &[Row]) -> f64 {
     let of_coordinate = |group: usize| {
-        let values = || {
-            rows.iter()
-                .filter(|row| row.group == group)
-                .map(|row| row.fitted / row.u)
-        };
-        let mean = values().sum::<f64>() / values().count().max(1) as f64;
-        values().map(|value| (value - mean).powi(2)).sum::<f64>()
+        let own = rows.iter().filter(|row| row.group == group);
+        squares_about_mean(&own.map(|row| row.fitted / row.u).collect::<Vec<f64>>())
     };
     (0..3).map(of_coordinate).sum()
 }
@@ -82,7 +78,7 @@ impl Shown<'_> {
                 direction: pose.direction.map_or(1.0, |side| f64::from(side.sign())),
                 misfit: dot(&weights, &model.residuals) / unit,
                 fitted: dot(&weights, &fit.explained) / unit,
-                u: left(model, weights) / unit,
+                u: left(model, &weights) / unit,
             }
         };
         rows.map(row).collect()
@@ -101,8 +97,6 @@ impl Shown<'_> {
 }
 
 /// Length of what a model leaves of a column: the standard deviation for noise of unit variance.
-fn left(model: &Projection, column: Vec<f64>) -> f64 {
-    let mut rest = column.clone();
-    model.project(&mut rest);
-    dot(&column, &rest).max(0.0).sqrt()
+fn left(model: &Projection, column: &[f64]) -> f64 {
+    dot(column, &model.left_of(column)).max(0.0).sqrt()
 }

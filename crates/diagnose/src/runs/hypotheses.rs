@@ -63,10 +63,8 @@ pub(super) fn candidates(
 /// The pairs of axes whose coupling the runs do not show.
 pub(super) fn not_observable(scene: &Scene, listed: &Listed) -> Option<NotObservable> {
     let hidden = listed.candidates.iter().filter(|candidate| {
-        let Hypothesis {
-            effect, subject, ..
-        } = candidate.hypothesis;
-        let is_pair = effect == CROSS_COUPLING && subject.component.is_none();
+        let own = &candidate.hypothesis;
+        let is_pair = own.effect == CROSS_COUPLING && own.subject.component.is_none();
         let columns = candidate.columns.whole(0);
         is_pair && gram_of(&listed.base, &columns).rank() < columns.len()
     });

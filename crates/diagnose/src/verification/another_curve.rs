@@ -7,12 +7,12 @@
 use trueaxis_effects::{Level, Shape};
 use trueaxis_selection::{Fit, Projection};
 
+use crate::Unexplained;
 use crate::engine::linear::Chosen;
 use crate::engine::{Family, Omnibus};
 use crate::verification::base::{indicators, places, times};
 use crate::verification::problem::Problem;
 use crate::verification::report::rms_of_readings_um;
-use crate::{OmnibusTest, Unexplained};
 
 /// The difference of the curves before and after one of the causes, in what a model with all of them leaves.
 pub(crate) fn another_curve(
@@ -37,13 +37,11 @@ pub(crate) fn another_curve(
         varies_with: "position",
         columns: indicators(&places(comparison)).iter().map(later).collect(),
     };
-    let OmnibusTest {
-        columns, p_value, ..
-    } = Omnibus::of(&curve, &straight).test;
-    let is_tested = columns > 0 && (columns as f64) < straight.degrees_of_freedom;
-    let explained = || Fit::new(&straight, &curve.columns).explained;
-    (is_tested && p_value < problem.level).then(|| {
-        let rms_um = rms_of_readings_um(problem, &explained());
+    let test = Omnibus::of(&curve, &straight).test;
+    let is_tested = test.columns > 0 && (test.columns as f64) < straight.degrees_of_freedom;
+    (is_tested && test.p_value < problem.level).then(|| {
+        let explained = Fit::new(&straight, &curve.columns).explained;
+        let rms_um = rms_of_readings_um(problem, &explained);
         let note = "after the jump the axis has another curve, which no shift of the machine or of the instrument explains: see whether an \
                encoder, its reading head or the optics were exchanged, realigned or reset meanwhile, and diagnose the readings before \
                and after it separately";

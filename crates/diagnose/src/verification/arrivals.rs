@@ -14,7 +14,7 @@
 
 use trueaxis_campaign::VerificationReading;
 
-use crate::extremes::extremes;
+use crate::numbers::extremes;
 use crate::verification::side::{around, side};
 use crate::verification::stopped::is_stopped;
 
@@ -132,7 +132,7 @@ pub(crate) fn is_same(a: f64, b: f64) -> bool {
     a.total_cmp(&b).is_eq()
 }
 
-fn are_same(a: &[f64], b: &[f64]) -> bool {
+pub(crate) fn are_same(a: &[f64], b: &[f64]) -> bool {
     a.iter().zip(b).all(|(a, b)| is_same(*a, *b))
 }
 

@@ -15,7 +15,7 @@ use std::cmp::Ordering;
 use trueaxis_campaign::VerificationKind;
 use trueaxis_predict::{ball_bar_set_up, positioning_lines};
 
-use crate::verification::arrivals::Arrival;
+use crate::verification::arrivals::{Arrival, groups_in_order};
 use crate::verification::comparison::Comparison;
 
 /// The columns, µm per unit.
@@ -87,6 +87,11 @@ pub(crate) fn cells(comparison: &Comparison<'_>) -> Vec<usize> {
 /// For each arrival the index of its cycle.
 pub(crate) fn cycles(comparison: &Comparison<'_>) -> Vec<usize> {
     numbered(comparison, |a| vec![f64::from(a.cycle)])
+}
+
+/// For each arrival the index of its cycle among consecutive ones, whatever their numbers.
+pub(crate) fn runs_of_cycles(comparison: &Comparison<'_>) -> Vec<usize> {
+    groups_in_order(&comparison.arrivals, |a, b| a.cycle == b.cycle)
 }
 
 /// For each arrival the index of its cycle and direction, forward first.

@@ -17,6 +17,7 @@
 use trueaxis_selection::{Projection, add};
 
 use crate::engine::linear::Chosen;
+use crate::numbers::squares_about_mean;
 use crate::verification::base::{count, lines};
 use crate::verification::problem::Problem;
 
@@ -74,7 +75,7 @@ pub(crate) fn variance_um2(
     if problem.wanders {
         let differences = &passes.differences_um;
         let enough = differences.len() > LEAST_OF_CYCLES;
-        let of_cycles = || squares(differences) / (differences.len() - 1) as f64;
+        let of_cycles = || squares_about_mean(differences) / (differences.len() - 1) as f64;
         return match enough {
             true => alone_um2.max(of_cycles() / differences.len() as f64),
             false => alone_um2,
@@ -87,17 +88,12 @@ pub(crate) fn variance_um2(
     if counts.contains(&0.0) || freedom < LEAST_OF_PASSES {
         return alone_um2;
     }
-    let total: f64 = passes.means_um.iter().map(|own| squares(own)).sum();
+    let of_each = passes.means_um.iter();
+    let total: f64 = of_each.map(|own| squares_about_mean(own)).sum();
     let readings = problem.readings() as f64;
     let rho = problem.whitening.correlation;
     let of_reading_um2 = problem.rms_um(after).powi(2) * (1.0 + rho) / (1.0 - rho);
     let of_means_um2 = of_reading_um2 * (counts[0] + counts[1]) / readings;
     let between_um2 = (total / freedom - of_means_um2).max(0.0);
     alone_um2 + between_um2 * (1.0 / counts[0] + 1.0 / counts[1])
-}
-
-/// Sum of the squares about the mean.
-fn squares(values: &[f64]) -> f64 {
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    values.iter().map(|value| (value - mean).powi(2)).sum()
 }

@@ -4,14 +4,15 @@
 use std::collections::BTreeMap;
 
 use trueaxis_campaign::{Direction, Verification, VerificationKind};
-use trueaxis_effects::{CROSS_COUPLING, Circumstances, Effect, GivenEffect, Shape, Subject};
-use trueaxis_kinematics::{AxisKind, Ideal, MICROMETRE, Machine};
+use trueaxis_effects::{CROSS_COUPLING, Circumstances, GivenEffect, Shape, Subject};
+use trueaxis_kinematics::{Axis, AxisKind, Component, Ideal, MICROMETRE, Machine};
 use trueaxis_predict::{
     CalibratedMachine, MeasuredPoint, carrier, predicted_reading_um, stands_alike,
 };
+use trueaxis_selection::Hypothesis;
 
 use crate::engine::waves_of;
-use crate::extremes::extremes;
+use crate::numbers::extremes;
 use crate::verification::arrivals::{Arrival, are_timed, arrivals, groups_in_order, is_same};
 use crate::verification::not_at_rest::{Running, running};
 use crate::verification::resolution::Digit;
@@ -25,6 +26,8 @@ const ROUNDING_UM: f64 = 1e-9;
 pub(crate) struct Comparison<'a> {
     /// The machine, with the reference points of the calibration.
     pub(crate) machine: &'a Machine,
+    /// The name of the verification.
+    pub(crate) name: &'a str,
     /// What was measured.
     pub(crate) kind: &'a VerificationKind,
     /// The readings as arrivals: when, where and how much.
@@ -88,6 +91,7 @@ impl<'a> Comparison<'a> {
             .filter(|own| own.effect == CROSS_COUPLING.id);
         let mut comparison = Self {
             machine,
+            name: &verification.name,
             kind,
             passes,
             range: [0.0; 2],
@@ -135,19 +139,13 @@ impl<'a> Comparison<'a> {
 
     /// Change of each reading by one unit of a parameter of an effect, µm; for a coupling less its part in the curves
     /// of both axes, `q_A q_B - q_A b - a q_B` where A was calibrated with B at b, and B with A at a.
-    pub(crate) fn column(
-        &self,
-        effect: &Effect,
-        subject: &Subject,
-        parameter: usize,
-        shape: f64,
-    ) -> Vec<f64> {
+    pub(crate) fn column(&self, of: &Hypothesis, parameter: usize, shape: f64) -> Vec<f64> {
         let rows = self.arrivals.iter().zip(&self.points);
         rows.map(|(arrival, point)| {
             // An effect of an axis depends on the motion of this axis, whatever else moves.
-            let axis = subject.axis.unwrap_or_else(|| self.axis());
+            let axis = of.subject.axis.unwrap_or_else(|| self.axis());
             // An instant may divide the readings of a stop.
-            let (time_s, part) = match effect.shape {
+            let (time_s, part) = match of.effect.shape {
                 Shape::Instant => (f64::INFINITY, arrival.part_after(shape)),
                 _ => (arrival.time_s, 1.0),
             };
@@ -166,13 +164,10 @@ impl<'a> Comparison<'a> {
                 centroid_mm: point.point_mm,
                 ..Circumstances::new(self.machine)
             };
-            let change_mm = |at: &Circumstances<'_>| {
-                effect
-                    .form(subject, parameter, shape, at)
-                    .along(&point.along)
-            };
+            let change_mm =
+                |at: &Circumstances<'_>| of.form(parameter, shape, at).along(&point.along);
             let mut all_mm = change_mm(&at);
-            for axis in self.coupled(effect, subject) {
+            for axis in self.coupled(of) {
                 let calibrated = self.calibrated_at.get(&axis);
                 let Some(calibrated) = calibrated.filter(|_| at.is_carried_by(axis)) else {
                     continue;
@@ -197,10 +192,11 @@ impl<'a> Comparison<'a> {
     }
 
     /// The two axes of a coupling whose curves contain it; none if it was subtracted.
-    fn coupled(&self, effect: &Effect, subject: &Subject) -> impl Iterator<Item = usize> + use<> {
+    fn coupled(&self, of: &Hypothesis) -> impl Iterator<Item = usize> + use<> {
+        let mut taken_out = self.taken_out.iter();
         let is_in_curves =
-            effect == CROSS_COUPLING && !self.taken_out.iter().any(|own| self.is_of(own, subject));
-        let axes = [subject.axis, subject.other_axis];
+            of.effect == CROSS_COUPLING && !taken_out.any(|own| self.is_of(own, &of.subject));
+        let axes = [of.subject.axis, of.subject.other_axis];
         axes.into_iter().flatten().filter(move |_| is_in_curves)
     }
 
@@ -250,7 +246,7 @@ impl<'a> Comparison<'a> {
     }
 
     /// Half waves of the position of that axis over the range of its positions, from one on, in each group.
-    pub(crate) fn waves_of_position(&self, count: u32, groups: Vec<usize>) -> Vec<Vec<f64>> {
+    pub(crate) fn waves_of_position(&self, count: usize, groups: Vec<usize>) -> Vec<Vec<f64>> {
         let at = self.arrivals.iter().map(|a| self.travelled(a));
         waves_of(groups.into_iter().zip(at).map(Some), false, count)
     }
@@ -299,6 +295,14 @@ fn calibrated_at(calibration: &CalibratedMachine) -> BTreeMap<usize, Vec<f64>> {
         (axis, positions.collect())
     });
     all.collect()
+}
+
+/// The error of an axis along or about itself.
+pub(crate) fn along_itself(axis: &Axis) -> Component {
+    match axis.kind() {
+        AxisKind::Linear => Component::ALL[axis.principal()],
+        AxisKind::Rotary => Component::ALL[axis.principal() + 3],
+    }
 }
 
 /// The side that the measured axis of a line came from.

@@ -5,8 +5,8 @@ use trueaxis_leastsquares::dot;
 use trueaxis_selection::combined;
 
 use crate::engine::disturbance::With;
-use crate::engine::linear::{Among, without};
-use crate::engine::{JudgedDisturbance, PART};
+use crate::engine::linear::Among;
+use crate::engine::{JudgedDisturbance, PART, without};
 use crate::verification::model::{Model, only};
 use crate::verification::problem::Problem;
 use crate::verification::wanderer::is_course_of;
@@ -22,8 +22,8 @@ fn squares_of(plain: &Problem<'_>, model: &Model<'_>, k: usize) -> f64 {
     let listed = &model.problem.listed;
     let columns = listed.columns_of(&model.causes[k]);
     let sizes = listed.sizes(&model.causes);
-    let mut effect = combined(plain.listed.base.rows(), &columns, &sizes[k].fit.estimates);
-    plain.listed.base.project(&mut effect);
+    let effect = combined(plain.listed.base.rows(), &columns, &sizes[k].fit.estimates);
+    let effect = plain.listed.base.left_of(&effect);
     dot(&effect, &effect)
 }
 

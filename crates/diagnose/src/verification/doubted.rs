@@ -9,7 +9,7 @@ use trueaxis_selection::Projection;
 
 use crate::Unexplained;
 use crate::engine::{ACCIDENTS, first_lines, most};
-use crate::extremes::extremes;
+use crate::numbers::{distinct, extremes};
 use crate::verification::base::{cells, count, less_location, passes, sizes};
 use crate::verification::comparison::Comparison;
 use crate::verification::gross_errors::MOST_IN_A_ROW;
@@ -102,13 +102,8 @@ pub(crate) fn doubted(problem: &Problem<'_>, after: &Projection) -> Option<Unexp
         far.len(),
         first_lines(lines)
     );
-    let varies_with = vec!["reading"];
-    Some(Unexplained::new(
-        Level::Verification,
-        rms_um,
-        varies_with,
-        note,
-    ))
+    let left = Unexplained::new(Level::Verification, rms_um, vec!["reading"], note);
+    Some(left)
 }
 
 /// Number of sides: sets of cells that no pass connects.
@@ -123,9 +118,7 @@ fn sides(cells: &[usize], passes: &[usize]) -> usize {
             sides.for_each(|side| *side = other);
         }
     }
-    side_of_cell.sort_unstable();
-    side_of_cell.dedup();
-    side_of_cell.len()
+    distinct(side_of_cell).len()
 }
 
 /// The median; of an even number the mean of the two in the middle.

@@ -13,7 +13,8 @@
 use trueaxis_campaign::Verification;
 use trueaxis_selection::Projection;
 
-use crate::engine::{ACCIDENT_LEVEL, ACCIDENTS, LEAST_OTHERS, most};
+use crate::engine::{ACCIDENT_LEVEL, ACCIDENTS, LEAST_OTHERS, most, without};
+use crate::numbers::{distinct, mean};
 use crate::verification::base::{cells, passes, sizes};
 use crate::verification::comparison::Comparison;
 use crate::verification::doubted::{far_off, mistakes};
@@ -75,7 +76,7 @@ pub(crate) fn gross_errors(
     if rows.len() > most && !are_many {
         return Vec::new();
     }
-    let without: Vec<usize> = found.iter().map(|outlier| outlier.arrival).collect();
+    let without = arrivals(&found);
     let off = off_um(comparison, &without);
     // Whole stops at the start of a table may be a warming machine, at its end one that moved.
     let is_start_or_end = |row: &[Outlier]| {
@@ -138,12 +139,7 @@ impl Screen<'_> {
             let Some(next) = self.largest(&left) else {
                 break;
             };
-            let arrivals: Vec<usize> = next
-                .outliers
-                .iter()
-                .map(|outlier| outlier.arrival)
-                .collect();
-            left = beside(&left, &arrivals);
+            left = beside(&left, &arrivals(&next.outliers));
             taken.extend(&next.outliers);
             if self.is_clear(&next) {
                 clear = taken.len();
@@ -155,8 +151,7 @@ impl Screen<'_> {
         taken.truncate(clear);
         let arrivals = self.culprits(&taken);
         let judged = (0..arrivals.len()).filter_map(|k| {
-            let others = [&arrivals[..k], &arrivals[k + 1..]].concat();
-            let left = beside(&self.model, &others);
+            let left = beside(&self.model, &without(&arrivals, k));
             let tested = Outliers::new(&left, &[arrivals[k]], self.resolution_um)?;
             self.is_clear(&tested).then_some(tested.outliers)
         });
@@ -180,7 +175,7 @@ impl Screen<'_> {
     /// The arrivals in their order. Beside the offset of their pass, two wrong ones of three or four look like the
     /// others being wrong the other way: then those two, if the means of their positions say so.
     fn culprits(&self, outliers: &[Outlier]) -> Vec<usize> {
-        let mut arrivals: Vec<usize> = outliers.iter().map(|outlier| outlier.arrival).collect();
+        let mut arrivals = arrivals(outliers);
         let off = off_um(self.comparison, &arrivals);
         let passes = passes(self.comparison);
         for outlier in outliers {
@@ -197,9 +192,7 @@ impl Screen<'_> {
                 arrivals.extend(others);
             }
         }
-        arrivals.sort_unstable();
-        arrivals.dedup();
-        arrivals
+        distinct(arrivals)
     }
 
     /// Whether noise has none like them.
@@ -251,16 +244,9 @@ impl Screen<'_> {
         let own = all.remove(own);
         let size_um = size_um(&own.outliers);
         let off = |outlier: &Outlier| off[outlier.arrival].map(|off| off.abs() > STAYS * size_um);
-        let is_off = own
-            .outliers
-            .iter()
-            .all(|outlier| off(outlier) == Some(true));
-        let is_in_order = |rival: &Outliers| {
-            rival
-                .outliers
-                .iter()
-                .any(|outlier| off(outlier) == Some(false))
-        };
+        let is_off = own.outliers.iter().all(|own| off(own) == Some(true));
+        let is_in_order =
+            |rival: &Outliers| rival.outliers.iter().any(|own| off(own) == Some(false));
         all.retain(|rival| {
             let is_other = !rival.outliers.iter().any(is_own);
             is_other && rival.drop >= ALIKE * own.drop && !(is_off && is_in_order(rival))
@@ -284,10 +270,14 @@ impl Screen<'_> {
     }
 }
 
+fn arrivals(outliers: &[Outlier]) -> Vec<usize> {
+    outliers.iter().map(|outlier| outlier.arrival).collect()
+}
+
 /// Mean absolute error of outliers.
 fn size_um(outliers: &[Outlier]) -> f64 {
     let errors = outliers.iter().map(|outlier| outlier.error_um.abs());
-    errors.sum::<f64>() / outliers.len() as f64
+    mean(&errors.collect::<Vec<f64>>())
 }
 
 /// A model in which these arrivals have values of their own.
@@ -307,13 +297,13 @@ fn is_jump(row: &[Outlier], off: &[Option<f64>], found: &[usize]) -> bool {
     let ([first, ..], [.., last]) = (row, row) else {
         return false;
     };
-    let mean = |rows: &mut dyn Iterator<Item = usize>, nearer: usize| {
+    let mean_of = |rows: &mut dyn Iterator<Item = usize>, nearer: usize| {
         let kept = rows.filter(|k| !found.contains(k)).skip(nearer);
         let off: Vec<f64> = kept.take(NEIGHBOURS).filter_map(|k| off[k]).collect();
-        (!off.is_empty()).then(|| off.iter().sum::<f64>() / off.len() as f64)
+        (!off.is_empty()).then(|| mean(&off))
     };
-    let before = |nearer| mean(&mut (0..first.arrival).rev(), nearer);
-    let after = |nearer| mean(&mut (last.arrival + 1..off.len()), nearer);
+    let before = |nearer| mean_of(&mut (0..first.arrival).rev(), nearer);
+    let after = |nearer| mean_of(&mut (last.arrival + 1..off.len()), nearer);
     let is_more = |a: f64, b: f64, part: f64| (b - a).abs() > part * size_um(row);
     match (before(0), after(0)) {
         (Some(before), Some(after)) => is_more(before, after, STAYS),
@@ -336,8 +326,7 @@ fn off_um(comparison: &Comparison<'_>, without: &[usize]) -> Vec<Option<f64>> {
             cells[*other] == cells[row] && *other != row && !without.contains(other)
         });
         let others: Vec<f64> = others.map(|k| comparison.difference_um[k]).collect();
-        let mean = others.iter().sum::<f64>() / others.len() as f64;
-        (!others.is_empty()).then(|| comparison.difference_um[row] - mean)
+        (!others.is_empty()).then(|| comparison.difference_um[row] - mean(&others))
     };
     (0..cells.len()).map(off).collect()
 }

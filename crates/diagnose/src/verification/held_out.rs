@@ -16,8 +16,9 @@
 
 use trueaxis_selection::Projection;
 
-use crate::engine::linear::{Candidate, Chosen, LeftOut, without};
-use crate::engine::{FOLDS, HeldOut, in_blocks};
+use crate::engine::linear::{Candidate, Chosen, LeftOut};
+use crate::engine::{FOLDS, HeldOut, in_blocks, without};
+use crate::numbers::root_mean_square;
 use crate::verification::arrivals::is_same;
 use crate::verification::comparison::Comparison;
 use crate::verification::problem::Problem;
@@ -115,8 +116,8 @@ pub(crate) fn other_shapes(candidate: &Candidate<'_>, shape: f64) -> impl Iterat
 impl Predicted {
     /// Root mean square, standard deviations; `None` if nothing could be held out.
     pub(crate) fn rms(&self) -> Option<f64> {
-        let squares: Vec<f64> = self.errors.iter().flatten().map(|e| e * e).collect();
-        (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+        let errors: Vec<f64> = self.errors.iter().flatten().copied().collect();
+        (!errors.is_empty()).then(|| root_mean_square(&errors))
     }
 }
 

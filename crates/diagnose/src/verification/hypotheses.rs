@@ -4,17 +4,16 @@ use std::f64::consts::PI;
 
 use trueaxis_campaign::VerificationKind;
 use trueaxis_effects::{
-    BACKLASH, CROSS_COUPLING, Effect, Level, POSITION_DEPENDENT_BACKLASH, Scene, Shape, Subject,
-    catalogue,
+    BACKLASH, CROSS_COUPLING, Level, POSITION_DEPENDENT_BACKLASH, Scene, Shape, Subject, catalogue,
 };
-use trueaxis_kinematics::{AxisKind, Component};
 use trueaxis_leastsquares::median;
 use trueaxis_selection::{Hypothesis, ShapeColumns, middle};
 
 use crate::engine::linear::{Candidate, Finer};
 use crate::engine::{TimeConstants, plausible, without_pauses};
+use crate::numbers::distinct;
 use crate::verification::arrivals::Arrival;
-use crate::verification::comparison::Comparison;
+use crate::verification::comparison::{Comparison, along_itself};
 use crate::verification::lost_motion;
 use crate::verification::one_side;
 use crate::verification::order::goes_against_its_sides;
@@ -79,24 +78,19 @@ pub(crate) fn candidates<'a>(
             let turns = |axis: &usize| comes_from_both_sides(comparison, *axis);
             scene.moving.extend(comparison.line().filter(turns));
         }
-        scene.moving.sort_unstable();
-        scene.moving.dedup();
+        scene.moving = distinct(scene.moving);
         let mut subjects = effect.subjects(&scene);
         subjects.retain(|subject| is_seen(comparison, subject));
         if effect.waves(0.0).is_some() {
             subjects.retain(|subject| is_half_turned(comparison, subject));
         }
-        for &subject in &subjects {
-            let hypothesis = Hypothesis {
-                effect,
-                subject,
-                subjects: subjects.len(),
-            };
+        for hypothesis in Hypothesis::of_each(effect, subjects) {
+            let subject = hypothesis.subject;
             let plausible = plausible(&hypothesis, &scene);
             let shapes = shapes(comparison, effect.shape, &subject);
-            let is_seen = is_of_both_sides(comparison, effect, &subject);
+            let is_seen = is_of_both_sides(comparison, &hypothesis);
             let column = move |k, shape| match is_seen {
-                true => comparison.column(effect, &subject, k, shape),
+                true => comparison.column(&hypothesis, k, shape),
                 false => vec![0.0; comparison.arrivals.len()],
             };
             let count = plausible.len();
@@ -160,12 +154,7 @@ fn is_seen(comparison: &Comparison<'_>, subject: &Subject) -> bool {
     if subject.other_axis.is_some() {
         return false;
     }
-    let content = &comparison.machine.axes()[axis];
-    let principal = content.principal();
-    let own = match content.kind() {
-        AxisKind::Linear => Component::ALL[principal],
-        AxisKind::Rotary => Component::ALL[principal + 3],
-    };
+    let own = along_itself(&comparison.machine.axes()[axis]);
     match comparison.kind {
         VerificationKind::Positioning { .. } => component == own,
         VerificationKind::Ballbar { .. } => component == own || !component.is_angular(),
@@ -180,12 +169,8 @@ fn is_half_turned(comparison: &Comparison<'_>, subject: &Subject) -> bool {
 
 /// Whether an effect is anything but lost motion of an axis that came from one side only: this cannot be separated
 /// from a function of the position.
-pub(crate) fn is_of_both_sides(
-    comparison: &Comparison<'_>,
-    effect: &Effect,
-    subject: &Subject,
-) -> bool {
-    let axis = subject.axis.filter(|_| effect.is_lost_motion());
+pub(crate) fn is_of_both_sides(comparison: &Comparison<'_>, own: &Hypothesis) -> bool {
+    let axis = own.subject.axis.filter(|_| own.effect.is_lost_motion());
     axis.is_none_or(|axis| comes_from_both_sides(comparison, axis))
 }
 

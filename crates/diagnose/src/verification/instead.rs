@@ -2,7 +2,8 @@
 
 use trueaxis_selection::{DECISIVE, Score};
 
-use crate::engine::linear::{Chosen, without};
+use crate::engine::linear::Chosen;
+use crate::engine::without;
 use crate::verification::model::{Model, has, is_coupling, is_left, of_causes, two_ln_b};
 use crate::verification::problem::Problem;
 

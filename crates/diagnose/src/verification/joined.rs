@@ -1,6 +1,6 @@
 //! A cause common to several series, as the outcome states it: once, with all its data.
 
-use trueaxis_effects::{Level, Scene};
+use trueaxis_effects::Level;
 
 use crate::engine::linear::Chosen;
 use crate::said::Entry;
@@ -14,7 +14,6 @@ use crate::{Cause, Fitted};
 /// is still to be filled in ([`join`]).
 pub(crate) fn joint_cause(
     stack: &Stack<'_>,
-    scene: &Scene,
     (causes, k): (&[Chosen], usize),
     members: impl Iterator<Item = usize>,
     variance: f64,
@@ -25,7 +24,7 @@ pub(crate) fn joint_cause(
     let u_shape = sized
         .u_shape
         .map_or(judged.score.u_shape, |u| u * variance.sqrt());
-    let level = (scene, Level::Verification);
+    let level = (stack.all[0].plain.scene, Level::Verification);
     let along_it = members.filter_map(|number| {
         let plain = &stack.all[number].plain;
         let own = stack.members[causes[k].candidate][number]?;

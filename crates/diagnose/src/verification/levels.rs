@@ -71,12 +71,8 @@ pub(crate) fn levels(problem: &Problem<'_>) -> Option<Unexplained> {
         seen.jumps,
         seen.noise_um
     );
-    Some(Unexplained::new(
-        Level::Verification,
-        seen.half_um,
-        vec!["time"],
-        note,
-    ))
+    let left = Unexplained::new(Level::Verification, seen.half_um, vec!["time"], note);
+    Some(left)
 }
 
 /// Whether more than a few tables of noise alone look as much like two levels.
@@ -93,8 +89,7 @@ fn looks_as_much(base: &Projection, correlation: f64, two_ln_ratio: f64) -> bool
             last = correlation * last + innovation * next;
             own
         });
-        let mut left: Vec<f64> = noise.collect();
-        base.project(&mut left);
+        let left = base.left_of(&noise.collect::<Vec<f64>>());
         let own = TwoLevels::new(base, &left);
         alike += usize::from(own.is_some_and(|own| own.two_ln_ratio >= two_ln_ratio));
         if alike > MOST_ALIKE {
@@ -131,8 +126,7 @@ impl TwoLevels {
         let mut best: Option<Self> = None;
         for _ in 0..STEPS {
             // Expected levels are -1 to 1; what is uncertain of them is noise.
-            let mut seen = level.clone();
-            base.project(&mut seen);
+            let seen = base.left_of(&level);
             let uncertain: f64 = level.iter().map(|m| 1.0 - m * m).sum();
             let half = dot(left, &seen) / (dot(&seen, &seen) + uncertain);
             let rest: Vec<f64> = left.iter().zip(&seen).map(|(x, m)| x - half * m).collect();

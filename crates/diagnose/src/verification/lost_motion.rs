@@ -9,9 +9,8 @@
 
 use nalgebra::{DMatrix, DVector};
 use trueaxis_effects::POSITION_DEPENDENT_BACKLASH;
-use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::dense::Svd;
-use trueaxis_selection::{Fit, Hypothesis, ln_f_test};
+use trueaxis_selection::{Fit, Hypothesis};
 
 use crate::engine::linear::{Candidate, Chosen};
 use crate::engine::{MOST_OF_FREEDOM, SMOOTH_LEVEL, most};
@@ -60,27 +59,26 @@ pub(crate) fn reached_from_both_sides(comparison: &Comparison<'_>) -> Vec<usize>
 /// The difference of the sides of a line beside causes, and the most lost motion of a drive in use, µm or arcsec,
 /// where that is less: then it is no lost motion, but what reverses with the axis does not go with time, either.
 pub(crate) fn beyond_drives(problem: &Problem<'_>, causes: &[Chosen]) -> Option<[f64; 2]> {
-    let axis = problem.comparison.line()?;
+    problem.comparison.line()?;
     let model = problem.listed.with(causes);
-    let (squares, freedom) = (model.squares(), model.degrees_of_freedom);
-    let variance = squares / freedom.max(1.0);
+    let variance = model.squares() / model.degrees_of_freedom.max(1.0);
     let beyond = |own: &Candidate| {
         let [_, most] = *own.plausible.first()?.as_ref()?;
         let columns = own.columns(own.columns.shapes().next_back()?);
         let fit = Fit::new(&model, &columns);
         let rank = columns.len();
-        let ln_p = ln_f_test(fit.gained(), squares, rank, freedom);
         let [along, _] = own.root_mean_square(&fit, variance);
         let size = match rank {
             1 => fit.estimates[0].abs(),
             _ => along,
         };
-        (ln_p < SMOOTH_LEVEL.ln() && size > most).then_some([size, most])
+        (fit.ln_p(&model, rank) < SMOOTH_LEVEL.ln() && size > most).then_some([size, most])
     };
-    let mut forms = problem.listed.candidates.iter().filter(|c| {
-        c.hypothesis.effect.is_lost_motion() && c.hypothesis.subject.axis == Some(axis)
-    });
-    forms.find_map(beyond)
+    let mut candidates = problem.listed.candidates.iter();
+    candidates.find_map(|own| {
+        let is_form = is_of_line(problem.comparison, &own.hypothesis);
+        is_form.then(|| beyond(own)).flatten()
+    })
 }
 
 /// Mean and slope whose columns differ by less than this share have the same effect on the readings.
@@ -96,8 +94,7 @@ pub(crate) fn waves(
     let rows = of_unit.len();
     let straight = DMatrix::from_fn(rows, 2, |i, k| [of_unit[i], of_slope[i]][k]);
     let inverse = Svd::new(&straight).map(|svd| svd.pseudo_inverse(PROPORTIONAL * svd.largest()));
-    let most = u32::try_from(count + 1).unwrap_or(u32::MAX);
-    let waves = comparison.waves_of_position(most, vec![0; rows]);
+    let waves = comparison.waves_of_position(count + 1, vec![0; rows]);
     waves
         .into_iter()
         .skip(1)
@@ -128,19 +125,15 @@ pub(crate) fn shown_along<'c>(
     comparison: &Comparison<'_>,
     cause: &'c Candidate<'_>,
 ) -> impl Iterator<Item = (f64, &'c [f64])> {
-    let Hypothesis {
-        effect, subject, ..
-    } = cause.hypothesis;
+    let own = &cause.hypothesis;
+    let changes = own.effect == POSITION_DEPENDENT_BACKLASH;
     let axis = comparison
         .line()
-        .filter(|&axis| effect == POSITION_DEPENDENT_BACKLASH && subject.axis == Some(axis));
+        .filter(|&axis| changes && own.subject.axis == Some(axis));
     let positions = axis.into_iter().flat_map(move |axis| {
-        let of_one = match comparison.machine.axes()[axis].kind() {
-            AxisKind::Linear => 1.0,
-            AxisKind::Rotary => 1_f64.to_degrees(),
-        };
+        let kind = comparison.machine.axes()[axis].kind();
         let arrivals = reached_from_both_sides(comparison).into_iter();
-        arrivals.map(move |row| comparison.arrivals[row].positions[axis] * of_one)
+        arrivals.map(move |row| kind.position_in_file(comparison.arrivals[row].positions[axis]))
     });
     positions.zip(cause.sizes.iter().map(Vec::as_slice))
 }

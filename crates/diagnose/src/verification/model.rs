@@ -2,8 +2,8 @@
 
 use trueaxis_effects::CROSS_COUPLING;
 
-use crate::engine::linear::{Chosen, without};
-use crate::engine::{JudgedDisturbance, beside_all, price, together};
+use crate::engine::linear::Chosen;
+use crate::engine::{JudgedDisturbance, beside_all, price, together, without};
 use crate::verification::omnibus::omnibus;
 use crate::verification::problem::Problem;
 
@@ -17,7 +17,6 @@ pub(crate) struct Model<'a> {
     pub(crate) as_good: Vec<Vec<Chosen>>,
 }
 
-/// Only disturbances.
 pub(crate) fn only<'a>(plain: &Problem<'a>, wandering: Vec<JudgedDisturbance>) -> Model<'a> {
     Model {
         problem: plain.beside(&wandering),

@@ -14,6 +14,7 @@
 use trueaxis_campaign::VerificationKind;
 use trueaxis_selection::Projection;
 
+use crate::numbers::mean;
 use crate::verification::base::{
     cells, count, indicators, less_location, passes, set_up, sizes, times,
 };
@@ -29,9 +30,7 @@ pub(crate) const SHORT_PASS: usize = 2;
 pub(crate) fn noise_floor_um(comparison: &Comparison<'_>) -> Option<f64> {
     let cells = cells(comparison);
     let centred = |mut column: Vec<f64>| {
-        less_location(&mut column, &cells, |own| {
-            own.iter().sum::<f64>() / own.len() as f64
-        });
+        less_location(&mut column, &cells, |own| mean(own));
         column
     };
     let of_passes = pass_columns(comparison, true).into_iter().map(centred);

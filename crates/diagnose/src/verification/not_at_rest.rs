@@ -6,7 +6,7 @@
 
 use trueaxis_campaign::VerificationReading;
 use trueaxis_effects::Level;
-use trueaxis_selection::{Fit, Hypothesis, Projection, ln_f_test};
+use trueaxis_selection::{Fit, Hypothesis, Projection};
 
 use crate::Rival;
 use crate::verification::arrivals::Arrival;
@@ -49,21 +49,14 @@ pub(crate) fn running(readings: &[VerificationReading], arrivals: &[Arrival]) ->
     }
     let alike = Projection::dense(runs, &[vec![1.0; stops]]);
     let fit = Fit::new(&alike, &[sides]);
-    let ln_p = ln_f_test(fit.gained(), alike.squares(), 1, alike.degrees_of_freedom);
-    (ln_p < LEVEL.ln()).then(|| Running {
+    (fit.ln_p(&alike, 1) < LEVEL.ln()).then(|| Running {
         run_um: fit.estimates[0],
         stops,
     })
 }
 
-impl Running {
-    /// Whether lost motion with this effect on the readings (rms, µm) may be what was still to come.
-    pub(crate) fn may_be_all_of(&self, rms_um: f64) -> bool {
-        self.run_um.abs() > PART_OF_IT * rms_um
-    }
-}
-
-/// What lost motion of the axis, with this effect on the readings, may be instead: the machine that still moves.
+/// What lost motion of the axis, with this effect on the readings (rms, µm), may be instead: the machine that still moves,
+/// where what was still to come may be all of it.
 pub(crate) fn instead(
     comparison: &Comparison<'_>,
     hypothesis: &Hypothesis,
@@ -72,7 +65,7 @@ pub(crate) fn instead(
     let is_it = |_: &Running| lost_motion::is_of_line(comparison, hypothesis);
     let running = comparison.running.filter(is_it)?;
     let rival = || Rival::of(Level::Verification, MACHINE, two_ln_b);
-    running.may_be_all_of(rms_um).then(rival)
+    (running.run_um.abs() > PART_OF_IT * rms_um).then(rival)
 }
 
 /// The notice about it.

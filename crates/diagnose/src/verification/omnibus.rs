@@ -25,14 +25,14 @@ use crate::verification::problem::Problem;
 use crate::verification::whitening::Whitening;
 
 /// Waves of each family.
-const WAVES: u32 = 6;
+const WAVES: usize = 6;
 
 /// All families, whitened.
 pub(crate) fn families(comparison: &Comparison<'_>, whitening: Whitening<'_>) -> Vec<Family> {
     let arrivals = &comparison.arrivals;
     let progress: Vec<f64> = arrivals.iter().map(|a| a.progress).collect();
     let mut time = vec![progress.clone()];
-    time.extend((1..=WAVES).flat_map(|k| wave(&progress, TAU * f64::from(k))));
+    time.extend((1..=WAVES).flat_map(|k| wave(&progress, TAU * k as f64)));
     let position = position_columns(comparison);
     let by_line = match comparison.kind {
         VerificationKind::Positioning { .. } => {
@@ -53,7 +53,7 @@ pub(crate) fn families(comparison: &Comparison<'_>, whitening: Whitening<'_>) ->
     let is_of_both = direction.windows(2).any(|two| two[0] * two[1] < 0.0);
     let waves = if is_of_both { WAVES } else { 0 };
     let of_direction_in_time = (1..=waves).map(|k| {
-        let [_, cosine] = wave(&progress, PI * f64::from(k));
+        let [_, cosine] = wave(&progress, PI * k as f64);
         times(&cosine, &direction)
     });
     let of_direction_in_time = of_direction_in_time.collect();
@@ -82,7 +82,7 @@ fn position_columns(comparison: &Comparison<'_>) -> Vec<Vec<f64>> {
             comparison.waves_of_position(WAVES, vec![0; comparison.arrivals.len()])
         }
         VerificationKind::Ballbar { .. } => (2..=WAVES + 1)
-            .flat_map(|k| wave(&comparison.around, f64::from(k)))
+            .flat_map(|k| wave(&comparison.around, k as f64))
             .collect(),
     }
 }
@@ -163,15 +163,15 @@ fn period(problem: &Problem<'_>, model: &Projection) -> Option<String> {
     let duration = arrivals.iter().map(|a| a.elapsed_s).fold(0.0, f64::max);
     let best = best_waves(problem, model).filter(|&waves| waves > 1)?;
     let unit = problem.comparison.unit_of("s");
-    Some(told_period(duration / f64::from(best), unit))
+    Some(told_period(duration / best as f64, unit))
 }
 
 /// Waves over the table that explain most.
-fn best_waves(problem: &Problem<'_>, model: &Projection) -> Option<u32> {
+fn best_waves(problem: &Problem<'_>, model: &Projection) -> Option<usize> {
     let arrivals = problem.comparison.arrivals.iter();
     let progress: Vec<f64> = arrivals.map(|a| a.progress).collect();
-    let drop = |k: u32| {
-        let wave = wave(&progress, TAU * f64::from(k)).map(|column| problem.whiten(&column));
+    let drop = |k: usize| {
+        let wave = wave(&progress, TAU * k as f64).map(|column| problem.whiten(&column));
         model.squares() - model.extended(&wave).squares()
     };
     let drops = (1..=WAVES).map(|k| (k, drop(k)));
@@ -186,11 +186,11 @@ pub(crate) fn differs_by_cycle(problem: &Problem<'_>) -> bool {
 }
 
 /// Passes from which on something repeats.
-const LEAST_PASSES: u32 = 3;
+const LEAST_PASSES: usize = 3;
 
 /// Whether the period that explains most is a pass or a whole cycle: a function of position and side has it.
 pub(crate) fn repeats_with_cycle(problem: &Problem<'_>, model: &Projection) -> bool {
-    let passes = u32::try_from(count(&problem.comparison.passes)).unwrap_or(u32::MAX);
-    let is_of_passes = |waves: u32| [waves, 2 * waves].contains(&passes);
+    let passes = count(&problem.comparison.passes);
+    let is_of_passes = |waves: usize| [waves, 2 * waves].contains(&passes);
     passes >= LEAST_PASSES && best_waves(problem, model).is_some_and(is_of_passes)
 }

@@ -7,9 +7,9 @@
 
 use std::collections::BTreeMap;
 
-use trueaxis_selection::{Fit, Projection, ln_f_test};
+use trueaxis_selection::{Fit, Projection};
 
-use crate::extremes::extremes;
+use crate::numbers::{extremes, mean};
 use crate::verification::arrivals::is_same;
 use crate::verification::base::{count as count_of, stands};
 use crate::verification::comparison::Comparison;
@@ -64,14 +64,13 @@ pub(crate) fn doubt(comparison: &Comparison<'_>) -> Option<String> {
         return None;
     }
     let higher_um = of_pairs(&|[a, b]| arrivals[b].value_um - arrivals[a].value_um);
-    let mean_um = higher_um.iter().sum::<f64>() / count as f64;
+    let mean_um = mean(&higher_um);
     let squares = later_s.iter().map(|later_s| later_s * later_s).collect();
     let drift = Projection::dense(higher_um, &[later_s, squares]);
     let fit = Fit::new(&drift, &[vec![1.0; count]]);
-    let (drop, squares) = (fit.gained(), drift.squares());
-    let ln_p = ln_f_test(drop, squares, 1, drift.degrees_of_freedom);
-    let sd_um = ((squares - drop).max(0.0) / (drift.degrees_of_freedom - 1.0)).sqrt();
-    (ln_p < LEVEL.ln() && fit.estimates[0].abs() > PLAINLY * sd_um).then(|| {
+    let left = (drift.squares() - fit.gained()).max(0.0);
+    let sd_um = (left / (drift.degrees_of_freedom - 1.0)).sqrt();
+    (fit.ln_p(&drift, 1) < LEVEL.ln() && fit.estimates[0].abs() > PLAINLY * sd_um).then(|| {
         format!(
             "direction is {direction} in all rows, but each position was read twice in a cycle, there and back, and on the way back \
              the readings are {:.1} µm {} on average, as from the other side; if they were, give those rows direction {}",
@@ -93,8 +92,7 @@ fn in_turn(comparison: &Comparison<'_>, direction: f64) -> Option<String> {
     let drift = Projection::dense(read, &beside);
     let turns = [1.0, -1.0].into_iter().cycle().take(arrivals.len());
     let fit = Fit::new(&drift, &[turns.collect()]);
-    let ln_p = ln_f_test(fit.gained(), drift.squares(), 1, drift.degrees_of_freedom);
-    (ln_p < LEVEL.ln()).then(|| {
+    (fit.ln_p(&drift, 1) < LEVEL.ln()).then(|| {
         format!(
             "direction is {direction} in all rows, but the readings are {:.1} µm higher and lower in turn, as from one side and the other; \
              if every other visit came from the other side, give it direction {}",

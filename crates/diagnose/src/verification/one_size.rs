@@ -73,8 +73,7 @@ impl Stack<'_> {
         let projected = |column: &Vec<f64>| {
             let mut whole = column[self.rows(number)].to_vec();
             whole.resize(model.rows(), 0.0);
-            let mut left = whole.clone();
-            model.project(&mut left);
+            let left = model.left_of(&whole);
             Column { whole, left }
         };
         let of_shape = |columns: &Vec<Vec<f64>>| columns.iter().map(projected).collect();

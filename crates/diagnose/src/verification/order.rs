@@ -51,15 +51,11 @@ pub(crate) fn put_in_order(verification: &mut Verification) -> InOrder {
     });
     let orders = orders(rows, &lines);
     if timed {
-        let notice = orders.contains(&Order::Exchanged).then(|| {
-            format!(
-                "{}: by time_s, passes go against their direction: forward and backward may be exchanged, and late time stamps \
-                 are not looked for",
-                verification.name
-            )
-        });
+        let said = "by time_s, passes go against their direction: forward and backward may be exchanged, and late time \
+                    stamps are not looked for";
+        let are_exchanged = orders.contains(&Order::Exchanged);
         return InOrder {
-            notice,
+            notice: are_exchanged.then(|| format!("{}: {said}", verification.name)),
             other: None,
         };
     }
@@ -135,7 +131,6 @@ fn told_by_readings(
     are_blocks.then(|| tells(&values_um, cells, &cycles, sorted))
 }
 
-/// The order of the rows of each line.
 fn orders(rows: impl Iterator<Item = Stop>, lines: &[usize]) -> Vec<Order> {
     let found = by_line(rows, lines).into_iter().map(|mut stops| {
         stops.dedup_by(|a, b| a.is(b));

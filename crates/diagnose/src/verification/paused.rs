@@ -4,16 +4,15 @@
 //! constant follows both. So the length of the pauses is one more unknown: for some lengths the time constants are
 //! sought again, and the values that likely lengths give are in the uncertainty.
 
-use trueaxis_effects::{Scene, Shape};
+use trueaxis_effects::Shape;
 use trueaxis_selection::Fit;
 
-use crate::engine::linear::{Chosen, Listed, without};
-use crate::verification::arrivals::groups_in_order;
-use crate::verification::base::count;
+use crate::engine::linear::{Chosen, Listed};
+use crate::engine::without;
+use crate::verification::base::{count, runs_of_cycles};
 use crate::verification::comparison::Comparison;
 use crate::verification::hypotheses::candidates;
 use crate::verification::problem::Problem;
-use crate::verification::wanderer::is_of_cycle;
 
 /// Pauses that are tried, in durations of a cycle.
 const LENGTHS: [f64; 6] = [0.1, 0.2, 0.4, 0.8, 1.6, 3.2];
@@ -24,18 +23,18 @@ const LIKELY: f64 = 4.0;
 /// Distance of the farthest values that likely pauses give cause `k`, which warms up, from those that are stated;
 /// nothing where there is one cycle.
 pub(crate) fn farthest_by_pauses(
-    (problem, scene): (&Problem<'_>, &Scene),
+    problem: &Problem<'_>,
     causes: &[Chosen],
     (k, fit): (usize, &Fit),
     variance: f64,
 ) -> Vec<f64> {
     let (comparison, listed) = (problem.comparison, &problem.listed);
-    let cycles = groups_in_order(&comparison.arrivals, is_of_cycle);
+    let cycles = runs_of_cycles(comparison);
     let mut values = vec![(listed.with(causes).squares(), fit.estimates.clone())];
     if count(&cycles) > 1 {
         values.extend(LENGTHS.iter().filter_map(|&length| {
             let paused = paused(comparison, &cycles, length);
-            let candidates = candidates(&paused, scene, problem.whitening);
+            let candidates = candidates(&paused, problem.scene, problem.whitening);
             let listed = Listed::new(listed.base.clone(), candidates.into());
             let all = converged(&listed, causes.to_vec())?;
             let others = listed.with(&without(&all, k));

@@ -7,19 +7,18 @@
 //! the drift, which over five cycles is a fifth smaller where all of it passes in pauses of one length. Of two cycles
 //! the second extreme is a jump between them, which a clock does not exclude.
 
-use trueaxis_effects::{BACKLASH, Level, POSITION_DEPENDENT_BACKLASH, Scene, Shape};
+use trueaxis_effects::{BACKLASH, Level, POSITION_DEPENDENT_BACKLASH, Shape};
 use trueaxis_selection::{Fit, Hypothesis, Score};
 
 use crate::Rival;
-use crate::engine::JudgedDisturbance;
 use crate::engine::disturbance::{Wanderer, Who, With};
-use crate::engine::linear::{Chosen, Listed, without};
-use crate::verification::arrivals::groups_in_order;
-use crate::verification::base::{count, cycles, indicators};
+use crate::engine::linear::{Chosen, Listed};
+use crate::engine::{JudgedDisturbance, without};
+use crate::verification::base::{count, cycles, indicators, runs_of_cycles};
 use crate::verification::lost_motion;
 use crate::verification::paused::farthest_by_pauses;
 use crate::verification::problem::Problem;
-use crate::verification::wanderer::{is_of_cycle, with_time};
+use crate::verification::wanderer::with_time;
 
 /// Consequences of unknown pauses for lost motion beside a cause in time, and for this.
 pub(crate) struct ByPauses {
@@ -32,7 +31,7 @@ pub(crate) struct ByPauses {
 /// What pauses leave of cause `k` with its fit to observations of this variance: of what goes with the progress of
 /// time or warms up, or of lost motion beside causes in time or disturbances; `None` where pauses do not matter.
 pub(crate) fn by_pauses(
-    (problem, scene): (&Problem<'_>, &Scene),
+    problem: &Problem<'_>,
     (causes, wandering): (&[Chosen], &[JudgedDisturbance]),
     (k, fit): (usize, &Fit),
     (two_ln_b, variance): (f64, f64),
@@ -42,7 +41,7 @@ pub(crate) fn by_pauses(
     if !comparison.timed && own.effect.shape == Shape::TimeConstant {
         return Some(ByPauses {
             rivals: Vec::new(),
-            shift: farthest_by_pauses((problem, scene), causes, (k, fit), variance),
+            shift: farthest_by_pauses(problem, causes, (k, fit), variance),
         });
     }
     if !comparison.timed && goes_with_progress(own) {
@@ -50,9 +49,8 @@ pub(crate) fn by_pauses(
     }
     let is_lost_motion = lost_motion::is_of_line(comparison, own);
     let is_of_time = |cause: &Chosen| listed.hypothesis(cause).is_of_time();
-    let wanders = wandering
-        .iter()
-        .any(|own| own.wanderer().with == With::Campaign);
+    let mut all = wandering.iter();
+    let wanders = all.any(|own| own.wanderer().with == With::Campaign);
     let goes_on = wanders || causes.iter().any(is_of_time);
     if !is_lost_motion || !goes_on {
         return None;
@@ -69,11 +67,8 @@ pub(crate) fn by_pauses(
         return None;
     }
     let paused = listed.on(listed.base.extended(&offsets(problem, &cycles, wandering)));
-    let without_time: Vec<Chosen> = causes
-        .iter()
-        .filter(|cause| !is_of_time(cause))
-        .copied()
-        .collect();
+    let without_time = causes.iter().filter(|cause| !is_of_time(cause));
+    let without_time: Vec<Chosen> = without_time.copied().collect();
     let sized = |among: &[Chosen], place: usize| paused.sizes(among).swap_remove(place).fit;
     let number = without_time.iter().position(|cause| *cause == causes[k])?;
     let all_in_pauses = sized(&without_time, number);
@@ -119,14 +114,14 @@ fn in_pauses(
 ) -> Option<ByPauses> {
     let listed = &problem.listed;
     let mut paused = problem.comparison.clone();
-    let cycles = groups_in_order(&paused.arrivals, is_of_cycle);
+    let cycles = runs_of_cycles(&paused);
     let last = count(&cycles).checked_sub(1).filter(|last| *last > 0)?;
     for (arrival, cycle) in paused.arrivals.iter_mut().zip(cycles) {
         arrival.progress = cycle as f64 / last as f64;
     }
     let of_pauses = |cause: &Chosen| -> Vec<Vec<f64>> {
         let own = listed.hypothesis(cause);
-        let column = |i| problem.whiten(&paused.column(own.effect, &own.subject, i, cause.shape));
+        let column = |i| problem.whiten(&paused.column(own, i, cause.shape));
         match goes_with_progress(own) {
             true => (0..listed.candidates[cause.candidate].plausible.len())
                 .map(column)
@@ -197,10 +192,8 @@ fn offsets(
         let slopes: Vec<Vec<f64>> = offsets.iter().map(slope).collect();
         offsets.extend(slopes);
     }
-    offsets
-        .iter()
-        .map(|offset| problem.whiten(offset))
-        .collect()
+    let whitened = offsets.iter().map(|offset| problem.whiten(offset));
+    whitened.collect()
 }
 
 impl ByPauses {

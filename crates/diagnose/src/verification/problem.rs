@@ -16,6 +16,7 @@ use trueaxis_selection::Projection;
 
 use crate::engine::linear::{Chosen, Listed};
 use crate::engine::{Family, JudgedDisturbance, rms};
+use crate::numbers::squares;
 use crate::verification::autocorrelation::Noise;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
@@ -28,6 +29,7 @@ use crate::verification::whitening::Whitening;
 /// What is to be explained, and what may explain it.
 pub(crate) struct Problem<'a> {
     pub(crate) comparison: &'a Comparison<'a>,
+    pub(crate) scene: &'a Scene,
     /// Whether the prediction is that of a calibration.
     pub(crate) calibrated: bool,
     /// Whether disturbances are in the covariance.
@@ -55,7 +57,7 @@ impl<'a> Problem<'a> {
     /// With the standard uncertainty from the last digit and the noise it hides; `level` is that of false alarms.
     pub(crate) fn new(
         comparison: &'a Comparison<'a>,
-        scene: &Scene,
+        scene: &'a Scene,
         calibration: Option<&CalibratedMachine>,
         level: f64,
         Noise {
@@ -79,10 +81,8 @@ impl<'a> Problem<'a> {
         let as_predicted = Projection::dense(observations.clone(), &columns);
         let mut variance = 0.0;
         for direction in &prediction {
-            let mut own = whiten(direction);
-            as_predicted.project(&mut own);
-            let readings = whitening.um(&own).into_iter();
-            variance += readings.map(|x| x * x).sum::<f64>() / direction.len() as f64;
+            let own = as_predicted.left_of(&whiten(direction));
+            variance += squares(&whitening.um(&own)) / direction.len() as f64;
         }
         for (k, direction) in prediction.iter().enumerate() {
             let mut column = whiten(direction);
@@ -100,6 +100,7 @@ impl<'a> Problem<'a> {
             as_predicted,
             prediction_u_um: (!prediction.is_empty()).then(|| variance.sqrt()),
             comparison,
+            scene,
             calibrated: calibration.is_some(),
             wanders: false,
             families: families(comparison, whitening).into(),

@@ -1,11 +1,12 @@
 //! What was found in one verification, as the outcome states it.
 
-use trueaxis_effects::{Level, ResolvedEffect, Scene};
+use trueaxis_effects::{Level, ResolvedEffect};
 use trueaxis_selection::{Fit, Projection, add, combined};
 
-use crate::engine::linear::{Chosen, Listed, without};
-use crate::engine::{JudgedDisturbance, Misfits, side};
+use crate::engine::linear::{Chosen, Listed};
+use crate::engine::{JudgedDisturbance, Misfits, side, without};
 use crate::fitted::{Against, Fitted, Row};
+use crate::numbers::root_mean_square;
 use crate::verification::arrivals::Arrival;
 use crate::verification::between_passes::variance_um2;
 use crate::verification::held_out::gain_of;
@@ -19,16 +20,13 @@ use crate::{Cause, Place, Rival};
 
 /// Root mean square of a column over the readings, µm.
 pub(crate) fn rms_of_readings_um(problem: &Problem<'_>, column: &[f64]) -> f64 {
-    let readings = problem.um(column);
-    let squares: f64 = readings.iter().map(|x| x * x).sum();
-    (squares / readings.len() as f64).sqrt()
+    root_mean_square(&problem.um(column))
 }
 
 /// The causes with their values, rivals and gains. `predicted` leaves what the readings show beside the prediction as
 /// it is; the disturbances `wandering` are beside them, and `wandered` is their effect, whitened.
 pub(crate) fn causes(
     problem: &Problem<'_>,
-    scene: &Scene,
     chosen: &[Chosen],
     (predicted, after): (&Projection, &Projection),
     (wandering, wandered): (&[JudgedDisturbance], &[f64]),
@@ -51,9 +49,9 @@ pub(crate) fn causes(
         let Some(judged) = problem.listed.judge(chosen, k) else {
             continue;
         };
-        let level = (scene, Level::Verification);
+        let level = (problem.scene, Level::Verification);
         let by_pauses = by_pauses(
-            (problem, scene),
+            problem,
             (chosen, wandering),
             (k, &sized.fit),
             (judged.score.two_ln_b, variance),
@@ -76,8 +74,8 @@ pub(crate) fn causes(
         for parameter in &mut said.parameters {
             parameter.unit = problem.comparison.unit_of(parameter.unit);
         }
-        let mut fitted = combined(predicted.rows(), &columns, &sized.fit.estimates);
-        predicted.project(&mut fitted);
+        let fitted = combined(predicted.rows(), &columns, &sized.fit.estimates);
+        let fitted = predicted.left_of(&fitted);
         let misfit: Vec<f64> = rest.iter().zip(&fitted).map(|(a, b)| a + b).collect();
         let gain = gain_of(problem, chosen, k);
         let along_it: Vec<(f64, &[f64])> = shown_along(problem.comparison, candidate).collect();
@@ -108,7 +106,7 @@ pub(crate) fn causes(
             .concat(),
             curve,
             mean_lost_motion,
-            fitted: shown(problem, scene, &misfit, &fitted),
+            fitted: shown(problem, &misfit, &fitted),
             ..said
         });
     }
@@ -116,7 +114,7 @@ pub(crate) fn causes(
 }
 
 /// The misfit without a cause, and what its fit explains.
-fn shown(problem: &Problem<'_>, scene: &Scene, misfit: &[f64], fitted: &[f64]) -> Option<Fitted> {
+fn shown(problem: &Problem<'_>, misfit: &[f64], fitted: &[f64]) -> Option<Fitted> {
     let arrivals = problem.comparison.arrivals.iter().enumerate();
     let (misfit, fitted) = (problem.um(misfit), problem.um(fitted));
     let row = |(i, arrival): (usize, &Arrival)| {
@@ -134,7 +132,7 @@ fn shown(problem: &Problem<'_>, scene: &Scene, misfit: &[f64], fitted: &[f64]) -
         }
     };
     let rows: Vec<Row> = arrivals.map(row).collect();
-    let fitted = Fitted::new(&rows, |_| String::new(), scene)?;
+    let fitted = Fitted::new(&rows, 1, |_| String::new(), problem.scene)?;
     let against = match fitted.against {
         Against::Time if !problem.comparison.timed => Against::Order,
         against => against,

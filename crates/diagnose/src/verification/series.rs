@@ -1,10 +1,10 @@
 //! One series of readings with its causes, and the disturbances beside them.
 
-use trueaxis_effects::{Level, Scene};
+use trueaxis_effects::Level;
 use trueaxis_selection::{Projection, add};
 
-use crate::engine::linear::{Chosen, without};
-use crate::engine::{Coefficients, JudgedDisturbance, Omnibus};
+use crate::engine::linear::Chosen;
+use crate::engine::{Coefficients, JudgedDisturbance, Omnibus, without};
 use crate::said::Entry;
 use crate::verification::another_curve::another_curve;
 use crate::verification::competition::compete;
@@ -20,7 +20,6 @@ use crate::{LevelReport, Misfit, Shares, Unexplained};
 
 /// The readings of one verification: a line or the sweeps of a ball bar.
 pub(crate) struct Series<'a> {
-    pub(crate) name: &'a str,
     /// The base model without causes and disturbances.
     pub(crate) plain: Problem<'a>,
     pub(crate) model: Model<'a>,
@@ -32,9 +31,8 @@ pub(crate) struct Series<'a> {
 
 impl<'a> Series<'a> {
     /// Finds the causes of a verification, and disturbances beside them or instead of them.
-    pub(crate) fn new(name: &'a str, plain: Problem<'a>) -> Self {
+    pub(crate) fn new(plain: Problem<'a>) -> Self {
         Self {
-            name,
             noise_floor_um: plain.reading_um(),
             model: compete(&plain),
             levels: None,
@@ -67,14 +65,10 @@ impl<'a> Series<'a> {
     }
 
     /// Its outcome; the `first` of its causes come first, then the one without which most is left.
-    pub(crate) fn entry(&self, scene: &Scene, first: &[usize]) -> Entry {
+    pub(crate) fn entry(&self, first: &[usize]) -> Entry {
         let plain = &self.plain;
-        let Model {
-            problem,
-            wandering,
-            causes: chosen,
-            as_good,
-        } = &self.model;
+        let (problem, wandering) = (&self.model.problem, &self.model.wandering);
+        let chosen = &self.model.causes;
         let before = &plain.listed.base;
         let tests = omnibus(plain, before);
         let ranked = |k: usize| {
@@ -97,12 +91,11 @@ impl<'a> Series<'a> {
         }
         let mut causes = report::causes(
             problem,
-            scene,
             &chosen,
             (&plain.as_predicted, &after),
             (wandering, &course),
         );
-        for others in as_good {
+        for others in &self.model.as_good {
             report::add_rivals(&problem.listed, &chosen, others, &mut causes);
         }
         let is_plain = chosen.is_empty() && wandering.is_empty();
@@ -141,7 +134,7 @@ impl<'a> Series<'a> {
         Entry {
             report: LevelReport {
                 level: Level::Verification,
-                data: self.name.to_owned(),
+                data: plain.comparison.name.to_owned(),
                 noise_floor_um: self.noise_floor_um,
                 prediction_u_um: plain.prediction_u_um,
                 before: misfit(plain, &[], &held_before),

@@ -14,7 +14,8 @@ use trueaxis_leastsquares::dot;
 use trueaxis_predict::CalibratedMachine;
 use trueaxis_selection::{Fit, Hypothesis, Projection, ShapeColumns};
 
-use crate::engine::linear::{Candidate, Chosen, Finer, Listed, without};
+use crate::engine::linear::{Candidate, Chosen, Finer, Listed};
+use crate::engine::without;
 use crate::verification::hypotheses::is_continuous;
 use crate::verification::prediction_error::prediction_directions;
 use crate::verification::problem::Problem;
@@ -37,7 +38,7 @@ const SHOWN: f64 = 0.1;
 /// Whether an effect of a series is the same in another: it belongs to the machine or to the way in which it is read,
 /// not to the time of one series or to the range of its positions.
 pub(crate) fn is_of_all(series: &Series<'_>, candidate: &Candidate<'_>) -> bool {
-    let Hypothesis { effect, .. } = candidate.hypothesis;
+    let effect = candidate.hypothesis.effect;
     // Without a clock lag is in units of the time between two readings of this series.
     let counts_readings = effect.is_delay() && !series.plain.comparison.timed;
     let is_of_its_clock =
@@ -131,9 +132,6 @@ impl<'s> Stack<'s> {
         });
         let (all, scales_um) = (self.all, self.scales_um.clone());
         let (hypothesis, of_each, count) = (*hypothesis, members.clone(), plausible.len());
-        let Hypothesis {
-            effect, subject, ..
-        } = hypothesis;
         let columns = move |shape: f64| -> Vec<Vec<f64>> {
             let column = |k: usize| {
                 let of_each = all.iter().zip(&of_each).zip(&scales_um);
@@ -141,7 +139,7 @@ impl<'s> Stack<'s> {
                     let plain = &series.plain;
                     match member {
                         Some(_) => {
-                            let column = plain.comparison.column(effect, &subject, k, shape);
+                            let column = plain.comparison.column(&hypothesis, k, shape);
                             in_scale(plain, &column, um)
                         }
                         None => vec![0.0; plain.readings()],
@@ -246,9 +244,7 @@ impl<'s> Stack<'s> {
         let of_all = Fit::new(&model, &self.listed.columns_of(&causes[k])).effect;
         let explained = (0..self.all.len()).map(|number| {
             let made = self.of_series(number, &of_all);
-            let mut left = made.clone();
-            model.project(&mut left);
-            dot(&made, &left)
+            dot(&made, &model.left_of(&made))
         });
         explained.collect()
     }
@@ -262,10 +258,8 @@ impl<'s> Stack<'s> {
         let of_members: Vec<f64> = of_members.collect();
         let mean = of_members.iter().sum::<f64>() / of_members.len().max(1) as f64;
         let least = (SHOWN * mean).min(self.of_noise(&causes[k]));
-        explained
-            .into_iter()
-            .map(|explained| explained > least)
-            .collect()
+        let shows = explained.into_iter().map(|explained| explained > least);
+        shows.collect()
     }
 
     /// What the columns of a cause explain of noise, squares.

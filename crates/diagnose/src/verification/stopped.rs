@@ -4,8 +4,9 @@
 //! Steps and times count in units of their means over the pass, so that feeds may differ. At the ends of a pass it
 //! speeds up and slows down; these steps do not count.
 
-use trueaxis_selection::{Fit, Projection, ln_f_test};
+use trueaxis_selection::{Fit, Projection};
 
+use crate::numbers::mean;
 use crate::verification::arrivals::Arrival;
 
 /// Fewest steps.
@@ -28,14 +29,10 @@ pub(crate) fn is_stopped(all: &[Arrival], axis: usize) -> bool {
             continue;
         };
         let of_two = |of: &dyn Fn(&Arrival) -> f64| {
-            let all: Vec<f64> = inner
-                .windows(2)
-                .map(|two| (of(&two[1]) - of(&two[0])).abs())
-                .collect();
-            let mean = all.iter().sum::<f64>() / all.len() as f64;
-            all.into_iter()
-                .map(move |own| own / mean)
-                .collect::<Vec<f64>>()
+            let two = inner.windows(2);
+            let all: Vec<f64> = two.map(|two| (of(&two[1]) - of(&two[0])).abs()).collect();
+            let mean = mean(&all);
+            all.into_iter().map(move |own| own / mean)
         };
         steps.extend(of_two(&|a| a.positions[axis]));
         times.extend(of_two(&|a| a.time_s));
@@ -49,11 +46,5 @@ pub(crate) fn is_stopped(all: &[Arrival], axis: usize) -> bool {
     }
     let on_the_fly = Projection::dense(times, &[steps]);
     let fit = Fit::new(&on_the_fly, &[vec![1.0; n]]);
-    let ln_p = ln_f_test(
-        fit.gained(),
-        on_the_fly.squares(),
-        1,
-        on_the_fly.degrees_of_freedom,
-    );
-    ln_p < LEVEL.ln() && fit.estimates[0] > MOST_OF_TIME
+    fit.ln_p(&on_the_fly, 1) < LEVEL.ln() && fit.estimates[0] > MOST_OF_TIME
 }

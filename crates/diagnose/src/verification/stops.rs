@@ -10,7 +10,7 @@ use trueaxis_campaign::Verification;
 use trueaxis_selection::Gram;
 
 use crate::engine::{ACCIDENT_LEVEL, ACCIDENTS, LEAST_OTHERS, Tested, most};
-use crate::extremes::extremes;
+use crate::numbers::extremes;
 use crate::verification::base::cells;
 use crate::verification::comparison::Comparison;
 use crate::verification::gross_error::{Contradicts, GrossError};

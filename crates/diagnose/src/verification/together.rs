@@ -11,13 +11,14 @@
 //!
 //! A cause that no series named must also gain on unused readings and not imitate what is left in any.
 
-use trueaxis_effects::Scene;
 use trueaxis_predict::CalibratedMachine;
 use trueaxis_selection::{Hypothesis, f_test};
 
 use crate::Cause;
 use crate::cause::SIZES_DIFFER;
-use crate::engine::linear::{Among, Candidate, Chosen, Listed, MOST_CAUSES, contains, without};
+use crate::engine::linear::{Among, Candidate, Chosen, Listed, MOST_CAUSES, contains};
+use crate::engine::without;
+use crate::numbers::whole;
 use crate::verification::believed::without_imitations;
 use crate::verification::joined::joint_cause;
 use crate::verification::model::has;
@@ -36,16 +37,15 @@ pub(crate) struct Shared {
 /// Share of what a common size explains that separate sizes may add: they scatter by a tenth about their mean.
 const ONE_SIZE: f64 = 0.01;
 
-/// Gives each series its causes in view of all, and returns those common to several; `level` is that of false alarms.
+/// Gives each series its causes in view of all, and returns those common to several.
 pub(crate) fn together(
     all: &mut [Series<'_>],
     calibration: Option<&CalibratedMachine>,
-    scene: &Scene,
-    level: f64,
 ) -> Vec<Shared> {
     if all.len() < 2 {
         return Vec::new();
     }
+    let level = all[0].plain.level;
     let mut apart: Vec<Hypothesis> = Vec::new();
     let (found, causes, judged) = loop {
         let (stack, own) = stacked(all, &apart, calibration);
@@ -96,7 +96,7 @@ pub(crate) fn together(
         let of_all = Sizes::new(&stack, &found, k).variances;
         let variance = of_all[usize::from(judged[k].differ())];
         let members = (0..all.len()).filter(|&number| candidates[number].is_some());
-        let cause = joint_cause(&stack, scene, (&found, k), members, variance)?;
+        let cause = joint_cause(&stack, (&found, k), members, variance)?;
         let gain = stack.gain_of(&found[k], &causes);
         let cause = Cause {
             heldout_gain: gain.map(|gain| 1.0 - gain.ratio.ratio),
@@ -165,15 +165,14 @@ impl Sizes {
         let rank = (common.degrees_of_freedom - apart.degrees_of_freedom).max(0.0)
             + stack.more_shapes(&causes[k]) as f64;
         let drop = common.squares() - apart.squares();
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a count"
-        )]
-        let count = rank as usize;
         let variance = apart.squares() / apart.degrees_of_freedom.max(1.0);
         Self {
-            p_value: f_test(drop, common.squares(), count, common.degrees_of_freedom),
+            p_value: f_test(
+                drop,
+                common.squares(),
+                whole(rank),
+                common.degrees_of_freedom,
+            ),
             more: drop / (others.squares() - common.squares()),
             variances: [
                 common.squares() / common.degrees_of_freedom.max(1.0),

@@ -11,6 +11,7 @@ use trueaxis_campaign::{Direction, Verification};
 use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::f_upper_tail;
 
+use crate::numbers::{mean, squares_about_mean};
 use crate::verification::arrivals::is_same;
 use crate::verification::base::{count, lines, places};
 use crate::verification::comparison::{Comparison, line};
@@ -92,13 +93,8 @@ fn differences(comparison: &Comparison<'_>) -> Option<Vec<Vec<f64>>> {
 
 /// Whether the sides agree at an end, and differ by a straight line over the positions between the ends.
 fn agrees_alone(differences: &[Vec<f64>], end: usize, resolution_um: f64) -> bool {
-    let mean = |own: &Vec<f64>| own.iter().sum::<f64>() / own.len() as f64;
-    let (mut squares, mut freedom) = (0.0, 0.0);
-    for own in differences {
-        let mean = mean(own);
-        squares += own.iter().map(|d| (d - mean).powi(2)).sum::<f64>();
-        freedom += own.len() as f64 - 1.0;
-    }
+    let squares: f64 = differences.iter().map(|own| squares_about_mean(own)).sum();
+    let freedom: f64 = differences.iter().map(|own| own.len() as f64 - 1.0).sum();
     let variance = squares / freedom + 2.0 * resolution_um * resolution_um;
     // Weighted by the number of cycles: a straight line over the indices of the positions, about their mean.
     let within = || (1..differences.len() - 1).map(|k| (k as f64, &differences[k]));

@@ -1,11 +1,10 @@
 //! Readings whose values look like those of another unit, or like positions, and positions that look like inches.
 
 use trueaxis_campaign::VerificationKind;
-use trueaxis_kinematics::AxisKind;
 use trueaxis_leastsquares::dot;
 use trueaxis_selection::Projection;
 
-use crate::extremes::extremes;
+use crate::numbers::extremes;
 use crate::verification::base::base_columns;
 use crate::verification::comparison::Comparison;
 
@@ -115,8 +114,7 @@ pub(crate) fn doubt(comparison: &Comparison<'_>) -> Option<String> {
 
 /// Length of a line of a linear axis, mm.
 fn linear_range_mm(comparison: &Comparison<'_>) -> Option<f64> {
-    let axis = comparison.line()?;
-    let is_linear = comparison.machine.axes()[axis].kind() == AxisKind::Linear;
+    let is_linear = comparison.line().is_some() && !comparison.is_of_rotary_axis();
     is_linear.then_some(comparison.range[1] - comparison.range[0])
 }
 

@@ -4,6 +4,7 @@ use trueaxis_effects::Level;
 use trueaxis_selection::Projection;
 
 use crate::engine::{Coefficients, JudgedDisturbance};
+use crate::numbers::squares;
 use crate::verification::problem::Problem;
 use crate::{CurvePoint, Disturbance, Gain};
 
@@ -27,11 +28,9 @@ pub(crate) fn wandered(
 ) -> Vec<Disturbance> {
     let noise_um = problem.noise_um(after);
     let report = |(own, coefficients): &(&JudgedDisturbance, Coefficients)| {
-        let mut seen = coefficients.effect.clone();
-        before.project(&mut seen);
+        let seen = before.left_of(&coefficients.effect);
         // Weighted as the misfit is.
-        let squares: f64 = seen.iter().map(|x| x * x).sum();
-        let rms = (squares / problem.readings() as f64).sqrt();
+        let rms = (squares(&seen) / problem.readings() as f64).sqrt();
         let shown = (
             problem.whitening.sigma_um * rms,
             curve(problem, own, coefficients, noise_um),

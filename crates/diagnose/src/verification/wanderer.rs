@@ -1,7 +1,7 @@
 //! What may move in an unknown course while readings are taken.
 //!
 //! Over its argument `x`, 0 to 1, each coordinate is a process with Matérn's covariance in half waves
-//! ([`matern_roots`]), as with lengths, but without its mean: the base model or an effect takes that. Rows without a
+//! ([`Basis`]), as with lengths, but without its mean: the base model or an effect takes that. Rows without a
 //! clock do not show pauses between passes, in which drifts go on: each pass, or each cycle, may then also have an
 //! offset. A course in time may also swing with one period, as an air conditioning does.
 //!
@@ -9,15 +9,16 @@
 
 use std::f64::consts::TAU;
 
-use trueaxis_leastsquares::{half_waves, matern_roots, median};
+use trueaxis_leastsquares::median;
 use trueaxis_selection::Hypothesis;
 
+use crate::engine::basis::Basis;
 use crate::engine::correlation_lengths;
 use crate::engine::disturbance::With::{Campaign, Position, Sides, SidesInTime};
 use crate::engine::disturbance::{Form, Pauses, Wanderer, Who};
-use crate::extremes::extremes;
-use crate::verification::arrivals::{Arrival, groups_in_order};
-use crate::verification::base::{count, cycles, places};
+use crate::numbers::extremes;
+use crate::verification::arrivals::Arrival;
+use crate::verification::base::{count, cycles, places, runs_of_cycles};
 use crate::verification::comparison::Comparison;
 use crate::verification::hypotheses::comes_from_both_sides;
 
@@ -127,12 +128,6 @@ impl Course<'_, '_> {
         }
     }
 
-    /// Half waves of each coordinate.
-    fn waves(self) -> u32 {
-        let waves = MOST_WAVES.min(self.stops() / 2);
-        u32::try_from(waves).unwrap_or(u32::MAX)
-    }
-
     /// Number of different arguments: over a line the number of its positions; for lost motion with time the number
     /// of passes, since two are needed to show it.
     fn stops(self) -> usize {
@@ -166,7 +161,7 @@ impl Course<'_, '_> {
         if !self.is_of_time() || self.comparison.timed || !has_stops || passes > MOST_PASSES {
             return [0, 0];
         }
-        let cycles = count(&groups_in_order(&self.comparison.arrivals, is_of_cycle));
+        let cycles = count(&runs_of_cycles(self.comparison));
         [passes, if cycles < passes { cycles } else { 0 }]
     }
 
@@ -193,7 +188,7 @@ impl Course<'_, '_> {
     fn functions(self, form: Form) -> Functions {
         Functions {
             form,
-            waves: self.waves(),
+            smooth: Basis::within(MOST_WAVES.min(self.stops() / 2), false),
             parts: self.parts(),
         }
     }
@@ -287,7 +282,8 @@ const BETWEEN_PASSES: f64 = 0.5;
 /// The functions that make up the course of each coordinate.
 struct Functions {
     form: Form,
-    waves: u32,
+    /// Those of a course that does not swing.
+    smooth: Basis,
     /// Number of passes, and of cycles of more than one pass, that may have offsets.
     parts: [usize; 2],
 }
@@ -297,7 +293,7 @@ impl Functions {
     /// means, and where pauses are unknown one for the pass and one for the cycle.
     fn at(&self, x: f64, part: [usize; 2]) -> Vec<f64> {
         let mut all: Vec<f64> = match self.form.period {
-            None => half_waves(x, self.waves).collect(),
+            None => self.smooth.at(x).collect(),
             Some(period) => {
                 let turn = TAU / period;
                 let (sine, cosine) = (turn * x).sin_cos();
@@ -313,7 +309,7 @@ impl Functions {
     /// Standard deviations of the coefficients; `S_k^½` for the waves.
     fn roots(&self) -> Vec<f64> {
         let mut roots = match self.form.period {
-            None => matern_roots(self.form.length, self.waves)[1..].to_vec(),
+            None => self.smooth.roots_of_spectrum(self.form.length),
             Some(_) => vec![1.0; 2],
         };
         let of_parts = [Pauses::BetweenPasses, Pauses::BetweenCycles];
@@ -331,14 +327,9 @@ impl Functions {
 
 /// For each arrival the index of its pass, and of its cycle among consecutive ones.
 fn parts(comparison: &Comparison<'_>) -> Vec<[usize; 2]> {
-    let cycles = groups_in_order(&comparison.arrivals, is_of_cycle);
+    let cycles = runs_of_cycles(comparison);
     let parts = comparison.passes.iter().zip(cycles);
     parts.map(|(&pass, cycle)| [pass, cycle]).collect()
-}
-
-/// Whether two consecutive arrivals belong to one cycle.
-pub(crate) fn is_of_cycle(a: &Arrival, b: &Arrival) -> bool {
-    a.cycle == b.cycle
 }
 
 /// From the start of a cycle to the next, including the pause between, as a share of the time of all (median).

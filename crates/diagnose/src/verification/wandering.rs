@@ -1,12 +1,14 @@
 //! Disturbances beside causes, in readings.
 
 use trueaxis_effects::{CROSS_COUPLING, Layer, Level, POSITION_DEPENDENT_BACKLASH, Shape};
-use trueaxis_selection::{ALIKE, Fit, Hypothesis, Projection, ln_f_test};
+use trueaxis_selection::{ALIKE, Fit, Hypothesis, Projection};
 
 use crate::engine::disturbance::{Disturbance, Form, Wanderer, Who, With};
-use crate::engine::linear::{Candidate, Chosen, without};
-use crate::engine::{JudgedDisturbance, SMOOTH_LEVEL, Smooth, Wandering, instead_of_cause, sought};
-use crate::extremes::extremes;
+use crate::engine::linear::{Candidate, Chosen};
+use crate::engine::{
+    JudgedDisturbance, SMOOTH_LEVEL, Smooth, Wandering, instead_of_cause, sought, without,
+};
+use crate::numbers::extremes;
 use crate::verification::base::{count, places};
 use crate::verification::lost_motion::beyond_drives;
 use crate::verification::problem::Problem;
@@ -124,10 +126,9 @@ fn hides_lost_motion(problem: &Problem<'_>, causes: &[Chosen], own: &JudgedDistu
     let model = problem.listed.with(causes);
     let alone = Fit::new(&model, &lost_motion);
     let beside = Fit::new(&model.beside(&own.columns(problem)).0, &lost_motion);
-    let ln_p = ln_f_test(alone.gained(), model.squares(), 1, model.degrees_of_freedom);
     let period = own.disturbance.form.period;
     let is_of_cycle = period.is_some_and(|period| problem.course(own).is_of_cycle(period));
-    ln_p < SMOOTH_LEVEL.ln()
+    alone.ln_p(&model, 1) < SMOOTH_LEVEL.ln()
         && alone.seen[0]
         && (is_of_cycle
             || !beside.seen[0]

@@ -30,24 +30,21 @@ impl LeftOut {
         let t = DMatrix::from_fn(rows.len(), width, |i, k| model.shared_row(rows[i])[k]);
         // `T_hᵀ T_h` and `T_h T_hᵀ` have the same eigenvalues but zeros: the smaller one.
         let few = rows.len() < width;
-        let squares = if few {
-            &t * t.transpose()
-        } else {
-            t.tr_mul(&t)
+        let squares = match few {
+            true => &t * t.transpose(),
+            false => t.tr_mul(&t),
         };
         let size = squares.nrows();
         let eigen = SymmetricEigen::new(DMatrix::identity(size, size) - squares);
         let values = eigen.eigenvalues.iter().copied();
-        let turned = if few {
-            eigen.eigenvectors
-        } else {
-            &t * eigen.eigenvectors
+        let turned = match few {
+            true => eigen.eigenvectors,
+            false => &t * eigen.eigenvectors,
         };
         let all = turned.column_iter().zip(values).map(|(column, value)| {
-            let length = if few {
-                (1.0 - value).max(0.0).sqrt()
-            } else {
-                1.0
+            let length = match few {
+                true => (1.0 - value).max(0.0).sqrt(),
+                false => 1.0,
             };
             (column * length, value)
         });

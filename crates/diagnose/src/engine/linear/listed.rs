@@ -15,7 +15,7 @@ use trueaxis_selection::{
 
 use crate::engine::estimated::{ByShape, beside_shape};
 use crate::engine::linear::Candidate;
-use crate::engine::with_uncertainties;
+use crate::engine::{with_uncertainties, without};
 use crate::{Cause, Rival};
 
 /// A hypothesis in the model, at one shape.
@@ -44,7 +44,6 @@ type Known = VecDeque<(Vec<(usize, u64)>, Arc<Beside>)>;
 
 /// The other hypotheses beside a model with causes.
 pub(crate) struct Beside {
-    /// The model.
     pub(crate) model: Projection,
     /// The physically possible ones, the one with the largest 2 ln B first.
     pub(crate) scores: Vec<Score>,
@@ -60,7 +59,6 @@ pub(crate) struct Beside {
 pub(crate) struct Judged {
     pub(crate) cause: Chosen,
     pub(crate) score: Score,
-    /// Its fit.
     pub(crate) fit: Fit,
     pub(crate) beside: Arc<Beside>,
 }
@@ -100,12 +98,10 @@ impl<'a> Listed<'a> {
         &self.candidates[cause.candidate].hypothesis
     }
 
-    /// The candidate of a score.
     pub(crate) fn candidate(&self, beside: &Beside, score: &Score) -> &Candidate<'a> {
         &self.candidates[beside.numbers[score.scan]]
     }
 
-    /// The columns of a cause.
     pub(crate) fn columns_of(&self, cause: &Chosen) -> Vec<Vec<f64>> {
         let candidate = &self.candidates[cause.candidate];
         candidate.columns(cause.shape)
@@ -298,10 +294,4 @@ impl Beside {
         self.null
             .get_or_init(|| Null::simulated(&self.model, &self.scans))
     }
-}
-
-/// All causes except `k`.
-pub(crate) fn without(causes: &[Chosen], k: usize) -> Vec<Chosen> {
-    let others = causes.iter().enumerate().filter(|(i, _)| *i != k);
-    others.map(|(_, cause)| *cause).collect()
 }

@@ -7,13 +7,14 @@
 //! - At most one goes with time, what warms up with two time constants, or a drift and a jump that together leave
 //!   nothing: several can follow any course.
 
-use trueaxis_effects::{Shape, Subject};
+use trueaxis_effects::Shape;
 use trueaxis_selection::{DECISIVE, Fit, Projection, Score, ln_f_test};
 
 use crate::Error;
 use crate::engine::forward::{self, Forward, RESTS, is_another, select};
-use crate::engine::linear::{Beside, Chosen, Judged, Listed, without};
-use crate::engine::{FURTHER_LEVEL, SHAPE_ERROR, fitted_effects, golden_section};
+use crate::engine::linear::{Beside, Chosen, Judged, Listed};
+use crate::engine::{FURTHER_LEVEL, SHAPE_ERROR, fitted_effects, golden_section, without};
+use crate::numbers::squares;
 
 /// Most causes named: more are no longer an explanation.
 pub(crate) const MOST_CAUSES: usize = 3;
@@ -249,12 +250,8 @@ fn plain<'s>(
     leader: &'s Score,
 ) -> &'s Score {
     let is_of_angle = |score: &Score| {
-        let Subject {
-            other_axis,
-            component,
-            ..
-        } = listed.candidate(beside, score).hypothesis.subject;
-        other_axis.map(|_| component.is_some())
+        let subject = &listed.candidate(beside, score).hypothesis.subject;
+        subject.other_axis.map(|_| subject.component.is_some())
     };
     let variance = beside.model.squares() / beside.model.degrees_of_freedom;
     let enough = leader.statistic - DECISIVE * variance.max(1.0);
@@ -274,11 +271,7 @@ pub(super) fn ln_more(model: &Projection, smaller: &Score, larger: &Score) -> f6
 
 /// Whether `with`, the model extended by some form, leaves nothing of columns of which `model` leaves something.
 pub(crate) fn contains(model: &Projection, with: &Projection, columns: &[Vec<f64>]) -> bool {
-    let left = |projection: &Projection, column: &[f64]| {
-        let mut column = column.to_vec();
-        projection.project(&mut column);
-        column.iter().map(|x| x * x).sum::<f64>()
-    };
+    let left = |projection: &Projection, column: &[f64]| squares(&projection.left_of(column));
     let is_contained = |c: &Vec<f64>| left(with, c) <= CONTAINED * left(model, c);
     columns.iter().all(is_contained)
 }
