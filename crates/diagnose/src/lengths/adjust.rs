@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use trueaxis_multilateration::Error::RanAway;
 use trueaxis_multilateration::{Network, Noise, Solution, Whitened, solve_from};
 use trueaxis_screening::estimate_noise;
 use trueaxis_selection::Fit;
@@ -19,7 +20,35 @@ const ROUNDS: usize = 3;
 impl Base<'_> {
     /// Adjusts everything with `suspects` in the model, from their present parameters. What the rigid model and the
     /// disturbances of a model `near` absorb is used again. Without `noise` the noise is estimated.
+    ///
+    /// Parameters of causes that the lengths hardly tell apart may run away: then the first linear step is the best.
     pub(crate) fn adjust_from(
+        &self,
+        near: Option<&Adjusted>,
+        suspects: Vec<Suspect>,
+        noise: Option<Noise>,
+    ) -> Result<Adjusted, Error> {
+        match self.iterated(near, suspects.clone(), noise) {
+            Err(Error::Adjustment(RanAway { .. })) if !suspects.is_empty() => {
+                self.first_step(suspects, noise.unwrap_or(self.network.noise))
+            }
+            found => found,
+        }
+    }
+
+    fn first_step(&self, mut suspects: Vec<Suspect>, noise: Noise) -> Result<Adjusted, Error> {
+        for suspect in &mut suspects {
+            suspect.parameters.fill(0.0);
+        }
+        let mut adjusted = self.adjust_given(suspects, noise)?;
+        let columns = self.columns_of_suspects(&adjusted);
+        let fit = Fit::new(&adjusted.projection, &columns);
+        adjusted.update(&fit);
+        adjusted.projection = adjusted.projection.extended(&columns);
+        Ok(adjusted)
+    }
+
+    fn iterated(
         &self,
         near: Option<&Adjusted>,
         mut suspects: Vec<Suspect>,

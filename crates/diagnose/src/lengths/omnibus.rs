@@ -5,7 +5,7 @@
 //! | `time` | 24 half waves, so twelve periods, in the occupation of each station |
 //! | `position` | twelve half waves of the position of each axis as one station sees it |
 //! | `target` | four of each axis as one target shows it; each target from each station |
-//! | `direction` | the side of approach, alone and times two half waves, the same way |
+//! | `direction` | the side of approach as each target shows it; how each axis moves and turns otherwise from one side than from the other, all along and times a half wave of its position |
 
 use rayon::prelude::*;
 use trueaxis_poses::LengthCircumstances as Reading;
@@ -17,7 +17,7 @@ use crate::lengths::base::Base;
 const OF_TIME: usize = 24;
 const OF_POSITION: usize = 12;
 const OF_TARGET: usize = 4;
-const OF_DIRECTION: usize = 2;
+const OF_DIRECTION: usize = 1;
 
 /// All tests of what an adjusted model leaves.
 pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
@@ -45,7 +45,15 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
     let mut sides = base.readings.iter().map(Reading::sign);
     let first = sides.next();
     if sides.any(|side| Some(side) != first) {
-        let mut columns = waves_of(of_target, true, OF_DIRECTION);
+        let of_axis = places(&|r| (r.axis, travelled(base, r)));
+        let by_axis = waves_of(of_axis, true, OF_DIRECTION);
+        let moved: Vec<[f64; 6]> = base.readings.iter().map(|r| moved(adjusted, r)).collect();
+        let moving = by_axis.iter().flat_map(|column| {
+            let of_component = |k: usize| column.iter().zip(&moved).map(move |(x, by)| x * by[k]);
+            (0..6).map(move |k| of_component(k).collect())
+        });
+        let mut columns = waves_of(of_target, true, 0);
+        columns.extend(moving);
         for column in &mut columns {
             let of_rows = column.iter_mut().zip(&base.readings);
             of_rows.for_each(|(x, reading)| *x *= reading.sign());
@@ -62,6 +70,19 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
     });
     let families: Vec<Family> = whitened.collect();
     Omnibus::of_all(&adjusted.projection, &families, 1.0)
+}
+
+/// How much longer a length is for a unit of each translation of what the axis carries, and for one of each rotation about
+/// the origin of the machine, over a metre.
+fn moved(adjusted: &Adjusted, reading: &Reading) -> [f64; 6] {
+    if reading.carrier.is_none() {
+        return [0.0; 6];
+    }
+    let solution = &adjusted.solution;
+    let point_mm = solution.points_mm[reading.point];
+    let beam = (point_mm - solution.stations[reading.station].position_mm).normalize();
+    let turned = point_mm.coords.cross(&beam) / 1000.0;
+    [beam.x, beam.y, beam.z, turned.x, turned.y, turned.z]
 }
 
 /// Position of an axis in its travel, 0 to 1.
