@@ -159,7 +159,6 @@ impl Disturbance {
         self.level == "points" && self.layer == "setup" && !is_of_target
     }
 
-    /// The axis that it is of.
     pub(crate) fn axis(&self) -> Option<&str> {
         self.subject.get("axis").and_then(Value::as_str)
     }
