@@ -43,9 +43,6 @@ pub fn calibrate(campaign: &Campaign, settings: &Settings) -> Result<Calibration
 
 /// As [`calibrate`], with the adjustment of the lengths if there are any, for further analysis. Lengths should hold
 /// [at one temperature](at_one_temperature).
-///
-/// # Errors
-/// Those of [`calibrate`].
 pub fn calibrate_with_adjustment<'a>(
     campaign: &'a Campaign,
     settings: &Settings,

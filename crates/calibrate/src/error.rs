@@ -2,6 +2,7 @@
 
 /// A campaign that does not yield a calibration.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the message shows what each field is")]
 pub enum Error {
     /// The campaign does not yield poses, or the poses do not determine the errors of an axis or their uncertainty.
     #[error(transparent)]
@@ -12,11 +13,8 @@ pub enum Error {
          from the nominal one; check direction, sign and position of all axes: where one is reversed another may fit worst"
     )]
     NotConverged {
-        /// Passes made.
         passes: usize,
-        /// Largest change of a coordinate in the last pass, mm.
         change_mm: f64,
-        /// The axis that changed most.
         axis: String,
     },
     /// The measured motion is not the commanded one.
@@ -27,11 +25,8 @@ pub enum Error {
          right, the axis is to be repaired before it can be calibrated"
     )]
     NotThatMotion {
-        /// The axis.
         axis: String,
-        /// The step where it deviates most.
         step: String,
-        /// Largest component of δ there, mm.
         translation_mm: f64,
         /// Largest component of ε there, degrees.
         rotation_deg: f64,
@@ -45,33 +40,23 @@ pub enum Error {
          those of {axis}; give these rows a run of {other}"
     )]
     SeveralAxesMove {
-        /// Name of the run.
         run: String,
-        /// Its axis.
         axis: String,
-        /// The other axis.
         other: String,
-        /// The first step at which it has moved.
         step: String,
     },
     /// The data contradict each other, and a usual mistake explains it.
     #[error("likely cause: {explanation}; {error}")]
     Mistaken {
-        /// What is wrong with the data as they are.
         error: Box<Error>,
-        /// Which mistake fits, where it was made, and what to change.
         explanation: String,
     },
     /// A matrix that would not fit.
     #[error("{matrix} takes {gib:.1} GiB, at most {limit_gib} GiB are made; {instead}")]
     TooLarge {
-        /// What it holds.
         matrix: String,
-        /// Its size, GiB.
         gib: f64,
-        /// Largest size, GiB.
         limit_gib: f64,
-        /// What to do.
         instead: &'static str,
     },
 }

@@ -40,9 +40,6 @@ pub struct Replay<'a> {
 
 /// Calibrates a campaign and keeps what trials with new errors need; its lengths should hold [at one
 /// temperature](trueaxis_poses::at_one_temperature).
-///
-/// # Errors
-/// Those of [`crate::calibrate()`].
 pub fn calibrate_for_replay<'a>(
     campaign: &'a Campaign,
     settings: &Settings,

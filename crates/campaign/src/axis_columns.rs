@@ -20,7 +20,6 @@ pub(crate) fn tolerance(axis: &Axis) -> f64 {
     TRAVEL_TOL * (high - low) + TRAVEL_TOL_ABSOLUTE
 }
 
-/// One column for each axis of a machine.
 pub(crate) struct AxisColumns<'a> {
     axes: Vec<AxisColumn<'a>>,
 }
@@ -34,7 +33,6 @@ struct AxisColumn<'a> {
 }
 
 impl<'a> AxisColumns<'a> {
-    /// Finds the columns in `table`.
     pub(crate) fn of(table: &Table<'_>, machine: &'a Machine) -> Result<Self, Error> {
         let axes = machine.axes().iter();
         let columns = axes.map(|axis| {
@@ -74,7 +72,6 @@ impl<'a> AxisColumns<'a> {
         Ok(positions)
     }
 
-    /// Checks that `positions`, read from `row`, are within the travel.
     pub(crate) fn check_travel(&self, row: &Row<'_>, positions: &[f64]) -> Result<(), Error> {
         for (known, &position) in self.axes.iter().zip(positions) {
             let &AxisColumn { column, axis, .. } = known;

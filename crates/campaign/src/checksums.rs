@@ -49,9 +49,6 @@ fn own_name(path: &Path) -> String {
 
 impl InputFile {
     /// The file at `path`, by its own name.
-    ///
-    /// # Errors
-    /// Those of the operating system.
     pub fn of(path: &Path) -> std::io::Result<Self> {
         let (name, sha256) = (own_name(path), sha256(path)?);
         Ok(Self { name, sha256 })

@@ -1,7 +1,6 @@
 //! Which target was read from which station in which run, and where it was not.
 
-use crate::reading::{Reading, readings_of};
-use crate::{Campaign, Stop};
+use crate::{Campaign, Sighting};
 
 /// How often a target was read in a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -56,18 +55,9 @@ impl Coverage {
 impl Campaign {
     /// How often each target was read in each run in which any station saw it, by run and target; targets on the bed last.
     pub fn coverage(&self) -> Vec<Coverage> {
-        match (&self.lengths, &self.points) {
-            (Some(lengths), _) => self.covered(&lengths.stops, &lengths.readings),
-            (None, Some(points)) => self.covered(&points.stops, &points.readings),
-            (None, None) => Vec::new(),
-        }
-    }
-
-    fn covered<R: Reading>(&self, stops: &[Stop], readings: &[R]) -> Vec<Coverage> {
-        let stations = if R::HAS_STATION {
-            self.stations.len()
-        } else {
-            1
+        let stations = match self.lengths {
+            Some(_) => self.stations.len(),
+            None => 1,
         };
         // Behind the runs is the bed.
         let bed = self.runs.len();
@@ -79,12 +69,11 @@ impl Campaign {
         let targets = self.targets.len();
         let mut seen = vec![Seen::default(); (bed + 1) * targets * stations];
         let mut step_seen = vec![false; self.steps.len() * targets * stations];
-        for stop in stops {
+        for stop in self.stops() {
             let of_stop = self.steps[stop.step].run;
             let run = of_stop.unwrap_or(bed);
-            for reading in readings_of(stop, readings) {
-                let place =
-                    |row: usize| (row * targets + reading.target()) * stations + stop.station;
+            for Sighting { target, .. } in self.sightings(stop) {
+                let place = |row: usize| (row * targets + target) * stations + stop.station;
                 let seen = &mut seen[place(run)];
                 seen.readings += 1;
                 if of_stop.is_none() {

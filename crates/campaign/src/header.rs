@@ -149,7 +149,6 @@ fn single<'f>(fault: &'f ColumnFault, header: &[&str], known: &[&str]) -> (&'f s
     }
 }
 
-/// A column is missing in this header.
 pub(crate) fn missing(header: &[&str]) -> Problem {
     Problem::MissingColumn {
         found: header.iter().map(|&column| column.to_owned()).collect(),

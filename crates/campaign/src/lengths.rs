@@ -87,7 +87,7 @@ fn read_chunk(mut table: Table<'_>, campaign: &Campaign) -> Result<Chunk, Error>
             time_s: sighting.time_s,
             target: sighting.target,
             length_mm: row.number(length)?,
-            line: row.line(),
+            line: sighting.line,
         });
         for (column, logged) in &mut chunk.logged {
             let value = row.optional_number(Some(*column))?;

@@ -111,6 +111,7 @@ pub use plausibility::UnitMistake;
 pub use positions::{Position, read_positions};
 pub use problem::{Error, Problem};
 pub use read::{read, read_uncompared};
+pub use reading::Sighting;
 pub use reflectors::reflectors;
 pub use setup::{check_instrument, check_reflectors};
 pub use trueaxis_files::{Alternatives, Part, Place};

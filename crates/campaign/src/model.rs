@@ -253,6 +253,13 @@ impl Lengths {
     pub fn logged_column(&self, name: &str) -> Option<&LoggedColumn> {
         self.logged.iter().find(|column| column.name == name)
     }
+
+    /// Time and value of each reading with which a value was logged in `column`.
+    pub fn course(&self, column: &LoggedColumn) -> Vec<(f64, f64)> {
+        let times = self.readings.iter().map(|reading| reading.time_s);
+        let values = times.zip(&column.values);
+        values.filter_map(|(t, v)| Some((t, (*v)?))).collect()
+    }
 }
 
 /// One length.

@@ -32,7 +32,6 @@ impl<'a> Names<'a> {
         Some(found)
     }
 
-    /// The name with that index.
     pub(crate) fn name(&self, index: usize) -> &'a str {
         self.names.get(index).copied().unwrap_or_default()
     }

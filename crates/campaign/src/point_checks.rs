@@ -15,7 +15,6 @@ use crate::{Error, Place, PointCheck, PointCheckReading, Problem};
 /// Columns of the deviations, of which at least one is there.
 pub(crate) const DEVIATION_COLUMNS: [&str; 3] = ["dx_um", "dy_um", "dz_um"];
 
-/// Columns of when.
 const WHEN_COLUMNS: [&str; 2] = ["time_s", "cycle"];
 
 /// Reads the table of `entry`.

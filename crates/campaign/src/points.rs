@@ -35,7 +35,7 @@ pub(crate) fn read(file: &Path, text: &str, campaign: &Campaign) -> Result<(Poin
             target: sighting.target,
             position_mm: Point3::new(row.number(x)?, row.number(y)?, row.number(z)?),
             sigma_um: read_sigma(row, sigma)?,
-            line: row.line(),
+            line: sighting.line,
         })
     })?;
     let (stops, steps) = near_positions::join(&campaign.machine, reader.finish());

@@ -35,6 +35,7 @@ impl Problem {
 
 /// What can be wrong with the files of a campaign. An [`Error`] says where it is.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the message shows what each field is")]
 pub enum Problem {
     /// Of a JSON document, or of a name or value anywhere.
     #[error(transparent)]
@@ -46,10 +47,7 @@ pub enum Problem {
     File(FileProblem),
     /// The file cannot be written.
     #[error("the file cannot be written; check the folder and its permissions")]
-    Unwritable {
-        /// The reason of the operating system.
-        source: io::Error,
-    },
+    Unwritable { source: io::Error },
     /// The file holds nothing.
     #[error("the file is empty; was it saved completely?")]
     Empty,
@@ -65,7 +63,6 @@ pub enum Problem {
     /// The kinematics cannot be built.
     #[error("{problem}")]
     Machine {
-        /// Why.
         problem: Box<trueaxis_kinematics::Error>,
     },
 
@@ -96,30 +93,16 @@ pub enum Problem {
         "the columns are separated by {separator}; expected commas, line ends of LF or CR LF, and points as \
          decimal marks: export the table as comma separated values"
     )]
-    Separator {
-        /// The name of the separator found.
-        separator: &'static str,
-    },
+    Separator { separator: &'static str },
     /// The first line names no column.
     #[error("no column is known in `{found}`; expected the header {expected}")]
-    NoHeader {
-        /// Its text.
-        found: String,
-        /// The header wanted.
-        expected: String,
-    },
+    NoHeader { found: String, expected: String },
     /// A column that must be there.
     #[error("the column is missing; found only {}: add it", found.join(", "))]
-    MissingColumn {
-        /// The columns that are there.
-        found: Vec<String>,
-    },
+    MissingColumn { found: Vec<String> },
     /// A column that the format does not have.
     #[error("unknown column; {alternatives}")]
-    UnknownColumn {
-        /// The columns that exist.
-        alternatives: Alternatives,
-    },
+    UnknownColumn { alternatives: Alternatives },
     /// A column stands twice in the header.
     #[error("the column stands twice in the header; remove one")]
     DuplicateColumn,
@@ -131,21 +114,14 @@ pub enum Problem {
         known.join(", ")
     )]
     Columns {
-        /// What is wrong with each.
         faults: Vec<ColumnFault>,
-        /// The columns that exist.
         known: Vec<String>,
     },
     /// A row is longer or shorter than the header.
     #[error(
         "found {found} fields, expected {expected} as in the header; a decimal comma would split a number in two"
     )]
-    FieldCount {
-        /// Number of fields in the row.
-        found: usize,
-        /// Number of columns.
-        expected: usize,
-    },
+    FieldCount { found: usize, expected: usize },
     /// A header without rows.
     #[error("there are no rows below the header; expected one at least")]
     NoRows,
@@ -156,7 +132,6 @@ pub enum Problem {
         "position {position} {unit} is outside the travel {low} to {high} {unit} of the axis; {hint}"
     )]
     OutsideTravel {
-        /// The position as in the file.
         position: f64,
         /// Lower end, as in `campaign.json`.
         low: f64,
@@ -164,7 +139,6 @@ pub enum Problem {
         high: f64,
         /// mm or deg.
         unit: &'static str,
-        /// What could be done.
         hint: &'static str,
     },
     /// A target read twice without a motion in between.
@@ -172,22 +146,12 @@ pub enum Problem {
         "target `{target}` is read a second time in the same stop, first in line {first_line}; keep one of the two rows, or \
          increase `repeat`"
     )]
-    TargetReadTwice {
-        /// The target.
-        target: String,
-        /// The first row.
-        first_line: usize,
-    },
+    TargetReadTwice { target: String, first_line: usize },
     /// Rows that stand in the file twice.
     #[error(
         "the same stop with the same time {time_s} s stands in line {first_line} already; remove the duplicated rows"
     )]
-    StopRepeated {
-        /// Its time, s.
-        time_s: f64,
-        /// The first row.
-        first_line: usize,
-    },
+    StopRepeated { time_s: f64, first_line: usize },
     /// Rows that are not in measuring order.
     #[error(
         "the rows are not in measuring order: the time goes back {}, here from {before_s} s to \
@@ -196,19 +160,12 @@ pub enum Problem {
         counted(*stops, "stop"), counted(*occupations, "occupation")
     )]
     NotInMeasuringOrder {
-        /// How often the time goes back.
         times: usize,
-        /// The time before it first goes back, s.
         before_s: f64,
-        /// The time after it, s.
         time_s: f64,
-        /// Groups of consecutive rows of one visit of the machine.
         stops: usize,
-        /// Groups of consecutive rows of one station.
         occupations: usize,
-        /// The same, if the rows were sorted by time.
         stops_by_time: usize,
-        /// The same, if the rows were sorted by time.
         occupations_by_time: usize,
     },
     /// The readings of one station under the name of another.
@@ -218,15 +175,10 @@ pub enum Problem {
          measured from `{station}`, or remove these rows"
     )]
     StationCopied {
-        /// How many.
         count: usize,
-        /// The run.
         run: String,
-        /// The station named in the rows.
         station: String,
-        /// The station with the same readings.
         original: String,
-        /// Its first row.
         original_line: usize,
     },
     /// Positions of one run that are nearly the same.
@@ -237,13 +189,9 @@ pub enum Problem {
          on, stopped at one after the other)"
     )]
     NearPositions {
-        /// The run.
         run: String,
-        /// The position as in the file.
         position: f64,
-        /// The one that came before it.
         other: f64,
-        /// Where that is.
         other_line: usize,
         /// mm or deg.
         unit: &'static str,
@@ -259,11 +207,8 @@ pub enum Problem {
     WrongAxisMoves {
         /// `run` or `verification`.
         kind: &'static str,
-        /// Its name.
         name: String,
-        /// Its axis.
         axis: String,
-        /// The axes that do move.
         moving: Vec<String>,
     },
 
@@ -275,17 +220,11 @@ pub enum Problem {
         UnitMistake::advice(mistake.as_deref())
     )]
     LengthsTooLarge {
-        /// The earlier of the two rows.
         first_line: usize,
-        /// The station.
         station: String,
-        /// The target.
         target: String,
-        /// Change of the length, mm.
         change_mm: f64,
-        /// Nominal distance between the target's two positions, mm.
         moved_mm: f64,
-        /// What would explain it.
         mistake: Option<Box<UnitMistake>>,
     },
     /// Lengths change less than they must from wherever the station stands.
@@ -295,15 +234,11 @@ pub enum Problem {
         UnitMistake::advice(mistake.as_deref())
     )]
     LengthsTooSmall {
-        /// The station.
         station: String,
-        /// The target.
         target: String,
         /// Standard deviation of the lengths, mm.
         spread_mm: f64,
-        /// The least that the motion allows, mm.
         least_mm: f64,
-        /// What would explain it.
         mistake: Option<Box<UnitMistake>>,
     },
     /// Measured points are not as far apart as the machine moved.
@@ -312,13 +247,9 @@ pub enum Problem {
         UnitMistake::advice(mistake.as_deref())
     )]
     PointsImpossible {
-        /// The earlier of the two rows.
         first_line: usize,
-        /// Distance of the measured points, mm.
         measured_mm: f64,
-        /// Nominal distance, mm.
         nominal_mm: f64,
-        /// What would explain it.
         mistake: Option<Box<UnitMistake>>,
     },
     /// Lengths fit the rough positions of the stations only in another unit.
@@ -326,11 +257,8 @@ pub enum Problem {
         "from the approx_mm of station `{station}` the lengths would be {misfit_mm:.1} mm different (80 % of them less); {mistake}"
     )]
     ScaleAgainstApprox {
-        /// The station.
         station: String,
-        /// Misfit as given, mm.
         misfit_mm: f64,
-        /// What would explain it.
         mistake: Box<UnitMistake>,
     },
     /// The lengths of a station fit the place of another.
@@ -340,23 +268,16 @@ pub enum Problem {
          exchange the names in this column, or the approx_mm in campaign.json"
     )]
     SwappedStations {
-        /// The station named in the rows.
         station: String,
-        /// The station that it seems to be.
         fits: String,
-        /// Misfit to its own place, mm.
         own_misfit_mm: f64,
-        /// Misfit to the other place, mm.
         fits_misfit_mm: f64,
     },
 
     // Writing.
     /// A campaign, made by a program, that contradicts itself.
     #[error("the campaign cannot be written: {problem}")]
-    Inconsistent {
-        /// What is wrong.
-        problem: String,
-    },
+    Inconsistent { problem: String },
 }
 
 fn in_a_row(faults: &[ColumnFault]) -> String {

@@ -1,6 +1,6 @@
 //! What a length and a measured point have in common.
 
-use crate::{LengthReading, PointReading, Stop};
+use crate::{Campaign, LengthReading, PointReading, Stop};
 
 /// A reading of a target at a time.
 pub(crate) trait Reading {
@@ -55,7 +55,52 @@ impl Reading for PointReading {
     }
 }
 
-/// The readings taken at `stop`.
+/// When which target was read, and where that stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sighting {
+    /// Time since the start of the campaign, s.
+    pub time_s: f64,
+    /// Target measured.
+    pub target: usize,
+    /// Line of the file, from 1 (the header).
+    pub line: usize,
+}
+
+impl Sighting {
+    fn of(reading: &impl Reading) -> Self {
+        Self {
+            time_s: reading.time_s(),
+            target: reading.target(),
+            line: reading.line(),
+        }
+    }
+}
+
+impl Campaign {
+    /// The stops of the lengths, or of the points.
+    pub fn stops(&self) -> &[Stop] {
+        match (&self.lengths, &self.points) {
+            (Some(lengths), _) => &lengths.stops,
+            (None, Some(points)) => &points.stops,
+            (None, None) => &[],
+        }
+    }
+
+    /// The length, or the point, with this number.
+    pub fn sighting(&self, number: usize) -> Option<Sighting> {
+        match (&self.lengths, &self.points) {
+            (Some(lengths), _) => lengths.readings.get(number).map(Sighting::of),
+            (None, points) => points.as_ref()?.readings.get(number).map(Sighting::of),
+        }
+    }
+
+    /// Those of one of its stops.
+    pub fn sightings(&self, stop: &Stop) -> impl DoubleEndedIterator<Item = Sighting> + '_ {
+        let numbers = stop.readings.clone();
+        numbers.filter_map(|number| self.sighting(number))
+    }
+}
+
 pub(crate) fn readings_of<'r, R>(stop: &Stop, readings: &'r [R]) -> &'r [R] {
     readings.get(stop.readings.clone()).unwrap_or_default()
 }

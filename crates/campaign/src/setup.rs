@@ -105,7 +105,6 @@ fn check_sigma_mm(field: String, sigma_mm: Option<f64>) -> Result<(), DocumentEr
     check_sigma(field, "standard deviation", sigma_mm, " mm", false)
 }
 
-/// The stations.
 pub(crate) fn stations(entries: Vec<StationEntry>) -> Result<Vec<Station>, DocumentError> {
     check_names("stations", "station", &names(&entries, |entry| &entry.name))?;
     let stations = entries.into_iter().enumerate().map(|(i, entry)| {

@@ -8,7 +8,7 @@ use crate::reading::{Reading, readings_of};
 use crate::rows::{Rows, position_cells};
 use crate::steps::Steps;
 use crate::table::{Column, Row, Table};
-use crate::{Campaign, Direction, Error, Problem, Step, Stop};
+use crate::{Campaign, Direction, Error, Problem, Sighting, Step, Stop};
 
 /// Groups rows into stops and steps.
 ///
@@ -27,12 +27,6 @@ pub(crate) struct StopReader<'a> {
     positions: Vec<f64>,
     stops: Vec<Stop>,
     steps: Steps,
-}
-
-/// What [`StopReader::read`] leaves to the reading itself.
-pub(crate) struct Sighting {
-    pub(crate) time_s: f64,
-    pub(crate) target: usize,
 }
 
 /// The columns before and after those of the axes, in the order of the format.
@@ -105,7 +99,11 @@ impl<'a> StopReader<'a> {
             readings: reading..reading + 1,
         };
         stay_or_arrive(&mut self.stops, stop);
-        Ok(Sighting { time_s, target })
+        Ok(Sighting {
+            time_s,
+            target,
+            line: row.line(),
+        })
     }
 
     /// A target that an axis carries is read in a run, one on the bed in none.
@@ -138,7 +136,6 @@ impl<'a> StopReader<'a> {
         Err(Problem::value(found, expected).at(row.place(column)))
     }
 
-    /// The stops, and the steps that they refer to.
     pub(crate) fn finish(self) -> (Vec<Stop>, Steps) {
         (self.stops, self.steps)
     }

@@ -168,7 +168,6 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// The error for a table without rows.
     pub(crate) fn no_rows(&self) -> Error {
         Problem::NoRows.at(Place::file(self.file))
     }
@@ -252,7 +251,6 @@ impl Row<'_> {
         }
     }
 
-    /// One of `names`.
     pub(crate) fn name(&self, column: Column, names: &mut Names<'_>) -> Result<usize, Error> {
         let cell = self.cell(column);
         names

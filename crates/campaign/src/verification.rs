@@ -197,7 +197,6 @@ pub(crate) fn text(verification: &Verification, machine: &Machine) -> String {
     rows.into_text()
 }
 
-/// The column of the measured value.
 fn value_column(kind: &VerificationKind) -> &'static str {
     let [of_line, of_bar] = VALUE_COLUMNS;
     match kind {

@@ -86,7 +86,6 @@ impl Spot {
     }
 }
 
-/// The file that an error is in.
 pub(crate) fn file(error: &anyhow::Error) -> Option<PathBuf> {
     error.chain().find_map(place)?.file.clone()
 }

@@ -16,7 +16,6 @@ pub(crate) struct Compared<'a> {
     pub(crate) validation: Validation,
 }
 
-/// The file.
 pub(crate) fn document(
     campaign: &str,
     seed: u64,

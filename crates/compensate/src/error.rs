@@ -2,6 +2,7 @@
 
 /// A correction that cannot be found, or a table that cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the message shows what each field is")]
 pub enum Error {
     /// The errors change too fast with the position for the iteration.
     #[error(
@@ -27,32 +28,21 @@ pub enum Error {
     NothingRead,
     /// An axis that the machine does not have, or that was not measured.
     #[error("axis {axis} was not measured; measured are {measured}")]
-    NoSuchAxis {
-        /// The name given.
-        axis: String,
-        /// Names of those that were.
-        measured: String,
-    },
+    NoSuchAxis { axis: String, measured: String },
     /// Nothing that the format could hold.
     #[error("{format} takes {takes}; {lacks}")]
     Unsuitable {
-        /// Name of the format.
         format: &'static str,
-        /// What it takes.
         takes: &'static str,
-        /// What the machine lacks.
         lacks: String,
     },
     /// A table that cannot be used.
     #[error("{file} line {line}: {found:?}; expected {expected}")]
     Table {
-        /// Name of the file.
         file: String,
         /// Number of the line, from 1.
         line: usize,
-        /// What it says.
         found: String,
-        /// What it should be.
         expected: String,
     },
     /// A file that is no table of the format, where its old ones are asked for.
@@ -60,11 +50,8 @@ pub enum Error {
         "{file} is no old table of {format} for this machine; expected {expected}: the name says for which axis it is"
     )]
     NoOldTable {
-        /// Name of the file.
         file: String,
-        /// Name of the format.
         format: &'static str,
-        /// Names of those that it has.
         expected: String,
     },
     /// Tables whose sign only a test on the machine tells.
@@ -74,10 +61,7 @@ pub enum Error {
          laser with the table off and on; if with it the tool stands 0.050 mm farther in the negative direction of the axis \
          (against the workpiece, as positions count), give --sign error, if in the positive one, --sign correction"
     )]
-    NoSign {
-        /// Name of the format.
-        format: &'static str,
-    },
+    NoSign { format: &'static str },
     /// Angles of a machine without a length to compare them with.
     #[error(
         "the machine has no linear axis whose travel turns an angle into micrometres; give the standard uncertainty of the \
@@ -90,13 +74,11 @@ pub enum Error {
          {nearest} {unit} does"
     )]
     Step {
-        /// Name of the axis.
         axis: String,
         /// The spacing, mm or degrees.
         step: f64,
         /// From the first to the last step, mm or degrees.
         range: f64,
-        /// The nearest spacing that does.
         nearest: f64,
         /// `mm` or `degrees`.
         unit: &'static str,
@@ -107,9 +89,7 @@ pub enum Error {
          give a spacing with --step"
     )]
     UnequalSteps {
-        /// Name of the axis.
         axis: String,
-        /// Name of the format.
         format: &'static str,
         /// Smallest distance, mm or degrees.
         least: f64,
@@ -123,13 +103,9 @@ pub enum Error {
         "{what}: {points} points, and {format} holds {most} at most; give a wider spacing with --step"
     )]
     TooManyPoints {
-        /// The table.
         what: String,
-        /// Name of the format.
         format: &'static str,
-        /// Number of points.
         points: usize,
-        /// The most.
         most: usize,
     },
     /// Values that change too fast from one point to the next.
@@ -138,13 +114,9 @@ pub enum Error {
          these are no errors of a machine"
     )]
     Slope {
-        /// Name of the axis.
         axis: String,
-        /// Name of the format.
         format: &'static str,
-        /// The largest slope.
         slope: f64,
-        /// The limit.
         most: f64,
     },
 }

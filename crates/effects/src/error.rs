@@ -10,6 +10,7 @@ pub type Error = Located<Problem>;
 
 /// What can be wrong with effects. An [`Error`] says where it is.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the message shows what each field is")]
 pub enum Problem {
     /// Of the document, or a name in it.
     #[error(transparent)]
@@ -17,55 +18,33 @@ pub enum Problem {
     /// An effect on something that it does not happen to.
     #[error("{effect} cannot act on ({found}); possible here: {possible}")]
     Subject {
-        /// Name of the effect.
         effect: &'static str,
-        /// The subject.
         found: String,
-        /// Those that the effect can happen to.
         possible: String,
     },
     /// A parameter that is not there.
     #[error("{effect} also needs `{name}` in {unit}")]
     MissingParameter {
-        /// Name of the effect.
         effect: &'static str,
-        /// Name of the parameter.
         name: String,
-        /// Its unit.
         unit: &'static str,
     },
     /// A parameter that is there twice; the field is the second one.
     #[error("there is another parameter named `{name}`")]
-    DuplicateParameter {
-        /// Its name.
-        name: String,
-    },
+    DuplicateParameter { name: String },
     /// A parameter in another unit than its own.
     #[error("`{name}` is in `{expected}`, found `{found}`")]
     Unit {
-        /// Name of the parameter.
         name: String,
-        /// Its unit.
         expected: &'static str,
-        /// The unit in the file.
         found: String,
     },
     /// A number that is not possible here.
     #[error("expected {expected}, found {value}")]
-    Value {
-        /// The number.
-        value: f64,
-        /// What is possible.
-        expected: &'static str,
-    },
+    Value { value: f64, expected: &'static str },
     /// A covariance that does not have a row and a column for each linear parameter.
     #[error("expected {expected}, one for each linear parameter, found {found}")]
-    CovarianceSize {
-        /// Number of linear parameters of all effects.
-        expected: usize,
-        /// Number of rows, or of values in the row.
-        found: usize,
-    },
+    CovarianceSize { expected: usize, found: usize },
     /// A covariance that is not symmetric.
     #[error(
         "a covariance must be symmetric, but {value} is mirrored by {mirrored} in row {column}"
@@ -73,9 +52,7 @@ pub enum Problem {
     CovarianceAsymmetric {
         /// Column of the element, from 0.
         column: usize,
-        /// The element.
         value: f64,
-        /// The one on the other side of the diagonal.
         mirrored: f64,
     },
 }

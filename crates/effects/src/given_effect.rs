@@ -93,7 +93,6 @@ impl GivenEffect {
         Ok((resolved, places))
     }
 
-    /// The effect of the catalogue.
     pub(crate) fn catalogued(&self) -> Result<&'static Effect, Error> {
         let effects = catalogue();
         let names: Vec<&str> = effects.iter().map(|effect| effect.id).collect();

@@ -7,15 +7,13 @@ pub type DocumentError = Located<DocumentProblem>;
 
 /// What can be wrong with any document, with what was found and what is expected.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the message shows what each field is")]
 pub enum DocumentProblem {
     /// The text is not JSON.
     #[error(
         "not valid JSON: {problem}; expected JSON as in RFC 8259 (no comments, no trailing commas)"
     )]
-    Syntax {
-        /// The parser's reason.
-        problem: String,
-    },
+    Syntax { problem: String },
     /// Another document of this project.
     #[error(
         "this is a trueaxis {kind}, not {}; give the path of the {}.json instead",
@@ -25,7 +23,6 @@ pub enum DocumentProblem {
     OtherDocument {
         /// Which one, such as `calibration`.
         kind: String,
-        /// The one wanted.
         expected: Format,
     },
     /// Some other JSON.
@@ -33,7 +30,6 @@ pub enum DocumentProblem {
     Format {
         /// The value of `format` as JSON.
         found: String,
-        /// The one wanted.
         expected: Format,
     },
     /// A version of the format that this release does not know.
@@ -43,39 +39,26 @@ pub enum DocumentProblem {
     Version {
         /// The value of `version` as JSON.
         found: String,
-        /// The one wanted.
         expected: u32,
     },
     /// A field that the format does not have.
     #[error("unknown field `{name}`; {alternatives}")]
     UnknownField {
-        /// Its name.
         name: String,
-        /// The fields that exist there.
         alternatives: Alternatives,
     },
     /// A field that must be there.
     #[error("field `{name}` is missing; add it")]
-    MissingField {
-        /// Its name.
-        name: String,
-    },
+    MissingField { name: String },
     /// A value that cannot be.
     #[error("{found}; expected {expected}")]
-    Value {
-        /// The value and what is wrong with it.
-        found: String,
-        /// What would be right.
-        expected: String,
-    },
+    Value { found: String, expected: String },
     /// A name that nothing has.
     #[error("unknown {what} `{name}`; {alternatives}")]
     UnknownName {
         /// What it should name, such as `axis`.
         what: &'static str,
-        /// The name found.
         name: String,
-        /// The names that exist.
         alternatives: Alternatives,
     },
     /// Two things of one kind share a name.
@@ -83,9 +66,7 @@ pub enum DocumentProblem {
     DuplicateName {
         /// What they are, such as `target`.
         what: &'static str,
-        /// The name.
         name: String,
-        /// Field path of the first use.
         first: String,
     },
 }

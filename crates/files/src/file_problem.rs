@@ -27,9 +27,6 @@ pub enum FileProblem {
 }
 
 /// The bytes of a file; `hint` says what to do if it is not there.
-///
-/// # Errors
-/// [`FileProblem`].
 pub fn read_bytes(file: &Path, hint: &str) -> Result<Vec<u8>, FileProblem> {
     let hint = || hint.to_owned();
     if file.is_dir() {

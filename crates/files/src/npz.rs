@@ -107,9 +107,6 @@ impl<W: Write + Seek> NpzWriter<W> {
     }
 
     /// Ends the file.
-    ///
-    /// # Errors
-    /// Those of `out`.
     pub fn finish(self) -> io::Result<W> {
         let mut out = self.0.finish()?;
         out.flush()?;
@@ -121,9 +118,6 @@ impl<W: Write + Seek> NpzWriter<W> {
 }
 
 /// The arrays of a `.npz` file by name.
-///
-/// # Errors
-/// [`NpzError`], with the name of the array.
 pub fn from_npz(bytes: &[u8]) -> Result<BTreeMap<String, Array>, NpzError> {
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(NpzError::Archive)?;
     let mut arrays = BTreeMap::new();

@@ -6,9 +6,6 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 /// SHA-256 of the bytes of a file, 64 hexadecimal digits.
-///
-/// # Errors
-/// If it cannot be read.
 pub fn sha256(file: &Path) -> io::Result<String> {
     let digest = Sha256::digest(std::fs::read(file)?);
     Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())

@@ -8,18 +8,12 @@ use tempfile::NamedTempFile;
 
 /// Writes `bytes` to a temporary file beside `path` and renames it to `path`. If anything fails,
 /// what was at `path` before is still there, and the temporary file is not.
-///
-/// # Errors
-/// Those of the operating system.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_whole_by(path, |out| out.write_all(bytes))
 }
 
 /// As [`write_whole`], but without waiting for the disk: for many small files that can be made again. A program that is
 /// stopped leaves each whole or not at all, a power failure may not.
-///
-/// # Errors
-/// Those of the operating system.
 pub fn write_derived(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut file = beside(path)?;
     file.write_all(bytes)?;
@@ -28,9 +22,6 @@ pub fn write_derived(path: &Path, bytes: &[u8]) -> io::Result<()> {
 }
 
 /// As [`write_whole`], for what is too large to be held in memory: `write` gets the temporary file.
-///
-/// # Errors
-/// Those of `write` and of the operating system.
 pub fn write_whole_by(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,

@@ -105,7 +105,6 @@ impl Axis<'_> {
         }
     }
 
-    /// Each point with the index of its circle.
     fn points(&self) -> impl Iterator<Item = (usize, &Vector3<f64>)> {
         let groups = self.groups.iter().enumerate();
         groups.flat_map(|(k, group)| group.iter().map(move |p| (k, p)))

@@ -2,25 +2,20 @@
 
 /// Points that cannot be fitted or lines that cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the message shows what each field is")]
 pub enum Error {
     /// A fit was asked of too few points.
     #[error("{what}: need at least {need} points, found {found}")]
     TooFewPoints {
-        /// What was to be fitted.
         what: &'static str,
-        /// The least number of points.
         need: usize,
-        /// The number given.
         found: usize,
     },
     /// A circle of a common axis has too few points to say anything about the axis.
     #[error("circle number {circle}: need at least {need} points on each circle, found {found}")]
     TooFewOnCircle {
-        /// Index of the circle.
         circle: usize,
-        /// The least number of points.
         need: usize,
-        /// The number given.
         found: usize,
     },
     /// A coordinate is infinite, not a number, or beyond 1e100 mm.
@@ -28,7 +23,6 @@ pub enum Error {
     NotFinite {
         /// Index of the point, counted through all circles.
         index: usize,
-        /// The point, mm.
         point_mm: [f64; 3],
     },
     /// All points are the same within rounding.
@@ -37,11 +31,9 @@ pub enum Error {
          explains {rounding_mm:.1e} mm"
     )]
     Coincident {
-        /// Number of points.
         points: usize,
         /// Root mean square distance from the centroid, mm.
         spread_mm: f64,
-        /// What the rounding of the coordinates explains, mm.
         rounding_mm: f64,
     },
     /// The points of a line spread as far across it as along it.
@@ -52,7 +44,6 @@ pub enum Error {
     NoMainDirection {
         /// Largest root mean square spread, mm.
         along_mm: f64,
-        /// The spread across it, mm.
         across_mm: f64,
     },
     /// The points of a circle lie on a line.
@@ -63,9 +54,7 @@ pub enum Error {
     Collinear {
         /// Root mean square spread along the line, mm.
         length_mm: f64,
-        /// The spread across it, mm.
         width_mm: f64,
-        /// What the rounding of the coordinates explains, mm.
         rounding_mm: f64,
     },
     /// The points leave a combination of the unknowns of a fit free, as those of a very short arc.
@@ -93,8 +82,5 @@ pub enum Error {
         "cos² alpha + cos² beta = {sum} with alpha, beta the angles of the z line to x and y; \
          the paper's equation 23 needs less than 1"
     )]
-    PaperAngles {
-        /// The sum of squares.
-        sum: f64,
-    },
+    PaperAngles { sum: f64 },
 }

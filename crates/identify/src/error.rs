@@ -6,19 +6,15 @@ use crate::SixRows;
 ///
 /// Targets and rows of a covariance are counted from 0 in the order in which they were given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the message shows what each field is")]
 pub enum Error {
     /// Fewer than three targets.
     #[error("need at least 3 targets to see all six component errors, found {found}")]
-    TooFewTargets {
-        /// Number of targets given.
-        found: usize,
-    },
+    TooFewTargets { found: usize },
     /// A coordinate or a volumetric error is NaN or infinite.
     #[error("the {quantity} of target number {target} (from 0) is not finite")]
     NotFinite {
-        /// What is not finite.
         quantity: &'static str,
-        /// Index of the target.
         target: usize,
     },
     /// All targets lie on one line, or at one point.
@@ -27,20 +23,12 @@ pub enum Error {
          than {off_line_mm:.6} mm away from the line through them, so that the rotation about this \
          line is not seen"
     )]
-    Collinear {
-        /// Largest distance between two targets, mm.
-        length_mm: f64,
-        /// Largest distance of a target from the line through those two, mm.
-        off_line_mm: f64,
-    },
+    Collinear { length_mm: f64, off_line_mm: f64 },
     /// The covariance does not have three rows and three columns for each target.
     #[error("the covariance of the points is {rows} x {columns}, expected {expected} x {expected}")]
     CovarianceShape {
-        /// Number of rows.
         rows: usize,
-        /// Number of columns.
         columns: usize,
-        /// Three times the number of targets.
         expected: usize,
     },
     /// The covariance is not symmetric, or holds a number that is not finite.
@@ -49,13 +37,10 @@ pub enum Error {
          and its mirror image is {lower} mm²"
     )]
     CovarianceAsymmetric {
-        /// Row of the entry.
         row: usize,
         /// Column of the entry, at or right of the diagonal.
         column: usize,
-        /// The entry at (row, column), mm².
         upper: f64,
-        /// The entry at (column, row), mm².
         lower: f64,
     },
     /// The covariance is not positive definite; for [`crate::rigid_misfit`] the part of it that no rigid motion
@@ -64,25 +49,16 @@ pub enum Error {
         "the covariance of the points is not positive definite: its eigenvalues reach from \
          {smallest_mm2} to {largest_mm2} mm²"
     )]
-    Covariance {
-        /// Smallest eigenvalue, mm².
-        smallest_mm2: f64,
-        /// Largest eigenvalue, mm².
-        largest_mm2: f64,
-    },
+    Covariance { smallest_mm2: f64, largest_mm2: f64 },
     /// Not a choice of six different rows out of nine.
     #[error("{rows:?} is not a choice of six different rows from 0 to 8")]
-    RowChoice {
-        /// The rows as given.
-        rows: [usize; 6],
-    },
+    RowChoice { rows: [usize; 6] },
     /// A choice of rows that is singular for these targets.
     #[error(
         "equations {rows} are singular for these targets: condition number {condition:.3e}, \
          determinant {determinant_mm3:.3e} mm³; all nine may not be"
     )]
     SingularRows {
-        /// The choice.
         rows: SixRows,
         /// Condition number of the centred and scaled six equations.
         condition: f64,
@@ -95,7 +71,6 @@ pub enum Error {
          six coordinates that were measured"
     )]
     NearSingularRows {
-        /// The choice.
         rows: SixRows,
         /// Condition number of the centred and scaled six equations in the nominal pose.
         condition: f64,
@@ -105,20 +80,10 @@ pub enum Error {
         "no pose fits the points: after {iterations} steps from the nominal pose the next one would \
          still move a target by {step_mm:.3e} mm"
     )]
-    NoPose {
-        /// Steps taken.
-        iterations: usize,
-        /// The largest displacement of a target by the last step, mm.
-        step_mm: f64,
-    },
+    NoPose { iterations: usize, step_mm: f64 },
     /// The numbers of nominal and measured targets differ.
     #[error("{nominal} nominal and {measured} measured targets cannot be compared")]
-    TargetCount {
-        /// Number of nominal targets.
-        nominal: usize,
-        /// Number of measured targets.
-        measured: usize,
-    },
+    TargetCount { nominal: usize, measured: usize },
 }
 
 /// A step that gives no pose.

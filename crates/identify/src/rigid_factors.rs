@@ -73,9 +73,6 @@ impl RigidFactors {
     }
 
     /// χ² of the volumetric errors Δ of points with the covariance C.
-    ///
-    /// # Errors
-    /// As [`RigidFactors::weighted`].
     pub(crate) fn chi_squared(
         &self,
         delta: &[Vector3<f64>],

@@ -24,6 +24,7 @@ impl Problem {
 
 /// What can be wrong with an export or its map. An [`Error`] says where.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the message shows what each field is")]
 pub enum Problem {
     /// Of a name or value anywhere.
     #[error(transparent)]
@@ -36,78 +37,53 @@ pub enum Problem {
     NoText,
     /// The map is not TOML.
     #[error("not valid TOML: {problem}; texts stand in quotes, as in separator = \";\"")]
-    Toml {
-        /// The parser's reason.
-        problem: String,
-    },
+    Toml { problem: String },
     /// The map names a column that the export does not have.
     #[error("the export has no column `{name}` in its line {line} of names; {alternatives}")]
     NoSuchColumn {
-        /// The name in the map.
         name: String,
-        /// The line of the export that holds the names.
         line: usize,
-        /// The names that it has.
         alternatives: Alternatives,
     },
     /// The map names columns, but the export has no line with names.
     #[error(
         "the map names the column `{name}`, but with column_names = false columns have only numbers, such as column = 3"
     )]
-    NoNames {
-        /// The name in the map.
-        name: String,
-    },
+    NoNames { name: String },
     /// The line with the names of the columns is one cell.
     #[error(
         "the line has only one column, `{found}`; is the separator {separator}, and is this the line that names the columns \
          (skip_lines)?"
     )]
     OneColumn {
-        /// Its text.
         found: String,
-        /// The name of the separator of the map.
         separator: &'static str,
     },
     /// Nothing says what a column of the table shall hold.
     #[error("nothing says the {name} of a row; add {example}")]
-    Nothing {
-        /// The column of the table.
-        name: String,
-        /// What could stand in the map.
-        example: String,
-    },
+    Nothing { name: String, example: String },
     /// A row has fewer cells than the map needs.
     #[error(
         "found {found} cells, but the map needs {needed}; if this is not a reading, put a mark of such lines into `comment` or `skip_rows`{}",
         and_more(*more)
     )]
     Short {
-        /// Cells of the row.
         found: usize,
-        /// Number of the last column that is needed.
         needed: usize,
-        /// Further rows with a fault.
         more: usize,
     },
     /// A cell that is not understood.
     #[error("found \"{found}\"; expected {expected}{}", and_more(*more))]
     Cell {
-        /// Its text.
         found: String,
-        /// What would be right, and how to skip such rows.
         expected: String,
-        /// Further rows with a fault.
         more: usize,
     },
     /// No row is left.
     #[error("no rows are left: {lines} lines were read, {skipped} skipped; {why}")]
     NoRows {
-        /// Lines of the file.
         lines: usize,
-        /// Lines skipped.
         skipped: usize,
-        /// The likely reason.
         why: &'static str,
     },
     /// A stop without all of its rows.
@@ -117,11 +93,8 @@ pub enum Problem {
         counted(*found, "row"), targets.join(", ")
     )]
     PartOfStop {
-        /// Rows of the stop.
         found: usize,
-        /// Rows that a stop has.
         expected: usize,
-        /// Their targets.
         targets: Vec<String>,
     },
     /// A target that the stop of the path does not have.
@@ -130,11 +103,8 @@ pub enum Problem {
          too many: compare the path in the map with the readings", targets.join(", ")
     )]
     NotPlanned {
-        /// The target.
         target: String,
-        /// The stop that is next in the path.
         stop: String,
-        /// Targets of that stop.
         targets: Vec<String>,
     },
     /// Rows that are not in measuring order.
@@ -142,12 +112,7 @@ pub enum Problem {
         "the rows are not in measuring order: the time goes back here, and in the order of time they would be {stops_by_time} \
          stops, not {stops}; sort the export by time"
     )]
-    NotInMeasuringOrder {
-        /// Stops as the rows stand.
-        stops: usize,
-        /// Stops if they were sorted by time.
-        stops_by_time: usize,
-    },
+    NotInMeasuringOrder { stops: usize, stops_by_time: usize },
     /// The stops are no whole number of rounds of the path.
     #[error(
         "the export has {}{}, a round of the path has {path}; {} too many or {} too few: compare the path in the \
@@ -155,11 +120,8 @@ pub enum Problem {
         counted(*stops, "stop"), of(station), stops % path, path - stops % path
     )]
     PartOfPath {
-        /// Stops found.
         stops: usize,
-        /// The station they were measured from.
         station: Option<String>,
-        /// Stops of the path.
         path: usize,
     },
 }

@@ -231,7 +231,6 @@ impl Map {
         })
     }
 
-    /// The unit of a column of the table.
     pub(crate) fn unit_of_column(&self, name: &str, of: &[Quantity]) -> Result<Unit, Error> {
         let column = self.columns.get(name);
         let unit = column.and_then(|column| column.unit.as_deref());
@@ -254,7 +253,6 @@ impl Map {
         Problem::Nothing { name, example }.at(self.whole())
     }
 
-    /// A field of the map with its line.
     pub(crate) fn place(&self, field: &str) -> Box<Place> {
         let key = field.rsplit('.').next().unwrap_or(field);
         let key = key.split('[').next().unwrap_or(key);
@@ -273,7 +271,6 @@ impl Map {
         })
     }
 
-    /// The map as a whole.
     pub(crate) fn whole(&self) -> Box<Place> {
         Box::new(Place {
             file: self.file.clone(),

@@ -4,7 +4,6 @@ use trueaxis_files::DocumentProblem;
 
 use crate::map::Leg;
 
-/// A stop of a path.
 #[derive(Debug, Clone)]
 pub(crate) struct PlannedStop<'m> {
     pub(crate) leg: &'m Leg,

@@ -183,7 +183,6 @@ impl Reader<'_> {
     }
 }
 
-/// The texts of a row.
 struct RowText<'r> {
     cells: &'r [String],
     parts: Vec<Vec<&'r str>>,

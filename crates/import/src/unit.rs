@@ -60,7 +60,6 @@ impl Unit {
             })
     }
 
-    /// The value in the unit of the table.
     pub(crate) fn convert(self, value: f64) -> f64 {
         trueaxis_files::round(value * self.size, DECIMALS)
     }

@@ -2,6 +2,7 @@
 
 /// A machine that cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the message shows what each field is")]
 pub enum Error {
     /// The direction of an axis is zero or not finite.
     #[error(
@@ -9,17 +10,13 @@ pub enum Error {
         x = direction[0], y = direction[1], z = direction[2]
     )]
     Direction {
-        /// Name of the axis.
         axis: String,
-        /// The direction as given.
         direction: [f64; 3],
-        /// Its Euclidean length.
         length: f64,
     },
     /// The travel of an axis is not an interval.
     #[error("axis {axis}: travel [{low}, {high}] is not an interval of finite numbers, low first")]
     Travel {
-        /// Name of the axis.
         axis: String,
         /// Lower end, mm or rad.
         low: f64,
@@ -28,34 +25,17 @@ pub enum Error {
     },
     /// A coordinate is not finite.
     #[error("axis {axis}: its position is not finite")]
-    Position {
-        /// Name of the axis.
-        axis: String,
-    },
+    Position { axis: String },
     /// Two axes share a name.
     #[error("two axes are named {name}")]
-    DuplicateAxis {
-        /// The name used twice.
-        name: String,
-    },
+    DuplicateAxis { name: String },
     /// A branch refers to an axis that does not exist.
     #[error("a branch names axis number {index}, but the machine has {count} axes")]
-    UnknownAxis {
-        /// Index given.
-        index: usize,
-        /// Number of axes.
-        count: usize,
-    },
+    UnknownAxis { index: usize, count: usize },
     /// An axis stands in a branch twice or in both branches.
     #[error("axis {name} appears twice in the kinematic branches")]
-    AxisUsedTwice {
-        /// Name of the axis.
-        name: String,
-    },
+    AxisUsedTwice { name: String },
     /// An axis stands in no branch.
     #[error("axis {name} appears in no kinematic branch")]
-    AxisUnused {
-        /// Name of the axis.
-        name: String,
-    },
+    AxisUnused { name: String },
 }

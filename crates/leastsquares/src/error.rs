@@ -2,15 +2,14 @@
 
 /// A problem that cannot be solved as posed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the message shows what each field is")]
 pub enum Error {
     /// A block has fewer rows than unknowns.
     #[error("block {block} has {rows} rows for {unknowns} unknowns")]
     TooFewRows {
         /// Number of the block, in the order of elimination.
         block: usize,
-        /// Rows given.
         rows: usize,
-        /// Unknowns of the block.
         unknowns: usize,
     },
     /// The rows of a block leave a combination of its unknowns free.
@@ -21,11 +20,9 @@ pub enum Error {
     BlockRank {
         /// Number of the block, in the order of elimination.
         block: usize,
-        /// The unknown that depends on those before it.
         unknown: usize,
         /// What is left of its column after those before it, relative.
         pivot: f64,
-        /// The least value accepted.
         limit: f64,
     },
     /// Shared unknowns are free beyond the motions that the datum fixes.
@@ -38,7 +35,6 @@ pub enum Error {
         defect: usize,
         /// The largest relative eigenvalue that counts as zero.
         eigenvalue: f64,
-        /// The least value accepted.
         limit: f64,
         /// Shared unknowns in the free combinations with their share (0 to 1), largest first.
         free: Vec<(usize, f64)>,
@@ -49,27 +45,18 @@ pub enum Error {
          limit {limit:.1e})"
     )]
     DenseRank {
-        /// Numerical rank.
         rank: usize,
-        /// Number of unknowns.
         unknowns: usize,
         /// The smallest relative singular value.
         singular_value: f64,
-        /// The least value accepted.
         limit: f64,
         /// For each unknown its share in the free combinations (0 to 1).
         free: Vec<f64>,
     },
     /// A number is infinite or not a number.
     #[error("{what} is not finite")]
-    NotFinite {
-        /// What was looked at.
-        what: &'static str,
-    },
+    NotFinite { what: &'static str },
     /// A decomposition did not converge.
     #[error("the {what} did not converge")]
-    Decomposition {
-        /// The decomposition.
-        what: &'static str,
-    },
+    Decomposition { what: &'static str },
 }

@@ -107,7 +107,6 @@ impl Factors {
         self.batches[b].blocks.clone()
     }
 
-    /// The batch of block `i`.
     pub(crate) fn batch_of(&self, i: usize) -> BatchFactors<'_> {
         self.batch(self.batches.partition_point(|b| b.blocks.end <= i))
     }

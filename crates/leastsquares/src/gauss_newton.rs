@@ -24,9 +24,6 @@ pub trait Adjustment {
 
     /// The reduced system without constraints, linearised at `state` with the weights that belong to it, with
     /// the sum of squares there; bits must not depend on the number of threads.
-    ///
-    /// # Errors
-    /// Those of [`BlockBatch::eliminate`](crate::BlockBatch::eliminate).
     fn reduce(
         &self,
         state: &Self::State,
@@ -34,9 +31,6 @@ pub trait Adjustment {
     ) -> Result<Reduced, Error>;
 
     /// The same with the constraints of the datum, and the factors of all blocks.
-    ///
-    /// # Errors
-    /// As [`Adjustment::reduce`].
     fn reduce_with_datum(&self, state: &Self::State) -> Result<(Reduced, Factors), Error>;
 
     /// Writes to `next` the `state` moved by `factor` times the correction that belongs to that of the
@@ -142,9 +136,6 @@ pub struct Adjusted<S> {
 
 impl<S: Clone> Adjusted<S> {
     /// Covariance of all unknowns for unit variance of the whitened rows of the adjusted `model`.
-    ///
-    /// # Errors
-    /// Those of [`Adjustment::reduce`] and [`Reduced::solve`].
     pub fn covariance<M: Adjustment<State = S>>(&self, model: &M) -> Result<Covariance, Error> {
         let (system, factors) = model.reduce_with_datum(&self.state)?;
         let reduced = system.solve(|| model.free_motions(&self.state))?;

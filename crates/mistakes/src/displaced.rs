@@ -16,8 +16,6 @@ use trueaxis_files::round;
 use trueaxis_kinematics::{AxisKind, Ideal, LocationError, MotionError, centroid};
 use trueaxis_poses::{PoseObservation, Poses, step_in_words};
 
-use crate::scope::stops_of;
-
 /// The targets of a run are displaced between two of its steps, and stay so.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
@@ -110,7 +108,7 @@ pub fn displaced_once(campaign: &Campaign, poses: &Poses, run: usize) -> Option<
     let jumped = axis.motion(jump, &LocationError::default(), &MotionError::default());
     let left_mm = largest.displaced_mm(&(jumped.inverse() * largest.motion));
     let [last, first] = largest.steps;
-    let later = stops_of(campaign).iter().map(|stop| stop.step);
+    let later = campaign.stops().iter().map(|stop| stop.step);
     let mut later = later.skip_while(|&step| step != first);
     let conclusion = if later.any(|step| step < first && campaign.steps[step].run == Some(run)) {
         AGAINST_TARGETS

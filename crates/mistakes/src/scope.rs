@@ -1,6 +1,6 @@
 //! A part of the measurement in which a mistake may have been made, and the campaign without it.
 
-use trueaxis_campaign::{Campaign, Stop};
+use trueaxis_campaign::{Campaign, Sighting, Stop};
 
 /// All stops of a station, a run, a repeat; those of all of them where `None`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
@@ -18,9 +18,8 @@ impl Scope {
             && self.repeat.is_none_or(|repeat| repeat == stop.repeat)
     }
 
-    /// Its stops.
     pub(crate) fn stops<'a>(&'a self, campaign: &'a Campaign) -> impl Iterator<Item = &'a Stop> {
-        let stops = stops_of(campaign).iter();
+        let stops = campaign.stops().iter();
         stops.filter(|stop| self.holds(campaign, stop))
     }
 
@@ -45,40 +44,18 @@ impl Scope {
             .station
             .map(|station| format!("from station {}", campaign.stations[station].name));
         let parts: Vec<String> = [repeat, run, station].into_iter().flatten().collect();
-        let of_stop = |stop: &Stop| readings_of(campaign, stop).into_iter();
-        let lines = self.stops(campaign).flat_map(of_stop).map(|(_, line)| line);
-        let lines = lines.fold([usize::MAX, 0], |[a, b], line| [a.min(line), b.max(line)]);
+        let sightings = self
+            .stops(campaign)
+            .flat_map(|stop| campaign.sightings(stop));
+        let lines = sightings.fold([usize::MAX, 0], |[a, b], Sighting { line, .. }| {
+            [a.min(line), b.max(line)]
+        });
         let parts = parts.join(" ");
         let what = match campaign.lengths {
             Some(_) => "lengths",
             None => "points",
         };
         format!("{parts} (lines {} to {} of the {what})", lines[0], lines[1])
-    }
-}
-
-/// The stops of the lengths, or of the points.
-pub(crate) fn stops_of(campaign: &Campaign) -> &[Stop] {
-    match (&campaign.lengths, &campaign.points) {
-        (Some(lengths), _) => &lengths.stops,
-        (None, Some(points)) => &points.stops,
-        (None, None) => &[],
-    }
-}
-
-/// Target and line of each reading of a stop.
-pub(crate) fn readings_of(campaign: &Campaign, stop: &Stop) -> Vec<(usize, usize)> {
-    let own = stop.readings.clone();
-    match (&campaign.lengths, &campaign.points) {
-        (Some(all), _) => all.readings[own]
-            .iter()
-            .map(|r| (r.target, r.line))
-            .collect(),
-        (None, Some(all)) => all.readings[own]
-            .iter()
-            .map(|r| (r.target, r.line))
-            .collect(),
-        (None, None) => Vec::new(),
     }
 }
 
@@ -108,7 +85,7 @@ pub(crate) fn with_readings(campaign: &Campaign, keep: impl Fn(&Stop, usize) -> 
     let mut count = 0;
     let mut retain = |stop: &mut Stop| {
         let first = count;
-        for (target, _) in readings_of(campaign, stop) {
+        for Sighting { target, .. } in campaign.sightings(stop) {
             kept.push(keep(stop, target));
             count += usize::from(kept.last() == Some(&true));
         }

@@ -8,7 +8,7 @@ use trueaxis_poses::AdjustmentReport;
 use crate::mistake::{Mistake, What};
 use crate::off_nominal::OffNominal;
 use crate::offsets::measured;
-use crate::scope::{Scope, stops_of, thinned, with_readings};
+use crate::scope::{Scope, thinned, with_readings};
 use crate::suspects::{LeftOut, suspects};
 
 /// Standard deviation of unit weight up to which lengths fit, if their noise is declared; the residuals up to
@@ -78,7 +78,7 @@ impl Mistakes<'_> {
     /// A text about the mistakes that would explain data that contradict each other: where they were made, and what to
     /// change. `None` if none does.
     pub fn explanation(&self) -> Option<String> {
-        if stops_of(self.campaign).is_empty() {
+        if self.campaign.stops().is_empty() {
             return None;
         }
         self.explanation_within(&Scope::default())

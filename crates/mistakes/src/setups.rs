@@ -7,7 +7,6 @@ use trueaxis_campaign::{Campaign, Target};
 use trueaxis_kinematics::{AxisKind, Branch, Ideal, Machine};
 
 use crate::elsewhere::elsewhere;
-use crate::scope::{readings_of, stops_of};
 
 /// Another machine and other targets, and what to correct in the campaign.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,10 +45,10 @@ impl Setup {
     /// Where all targets are nominally when they are read, mm.
     fn places_mm(&self, campaign: &Campaign) -> Vec<Point3<f64>> {
         let mut places = Vec::new();
-        for stop in stops_of(campaign) {
+        for stop in campaign.stops() {
             let positions = &campaign.steps[stop.step].positions;
-            let targets = readings_of(campaign, stop).into_iter();
-            let targets = targets.map(|(target, _)| &self.targets[target]);
+            let targets = campaign.sightings(stop);
+            let targets = targets.map(|seen| &self.targets[seen.target]);
             let place = |t: &Target| {
                 self.machine
                     .position(&Ideal, t.carrier, positions, t.home_mm)

@@ -7,7 +7,7 @@ use trueaxis_campaign::Campaign;
 use trueaxis_kinematics::AxisKind;
 
 use crate::mistake::{Mistake, What};
-use crate::scope::{Scope, readings_of, stops_of};
+use crate::scope::Scope;
 use crate::setups::setups;
 
 /// What becomes of the lengths if a part of them is left out.
@@ -106,7 +106,7 @@ fn scopes(
     within: &Scope,
     left_out: impl Fn(Scope) -> LeftOut + Sync,
 ) -> Vec<Scope> {
-    let stops = stops_of(campaign).iter();
+    let stops = campaign.stops().iter();
     let repeats: BTreeSet<u32> = stops.map(|stop| stop.repeat).collect();
     let repeats: Vec<u32> = repeats.into_iter().collect();
     let runs: Vec<usize> = (0..campaign.runs.len()).collect();
@@ -166,18 +166,18 @@ fn one_of<T: Copy + Sync + Send>(
 fn is_read(campaign: &Campaign, target: usize, scope: &Scope) -> bool {
     let mut readings = scope
         .stops(campaign)
-        .flat_map(|stop| readings_of(campaign, stop));
-    campaign.lengths.is_some() && readings.any(|(of, _)| of == target)
+        .flat_map(|stop| campaign.sightings(stop));
+    campaign.lengths.is_some() && readings.any(|seen| seen.target == target)
 }
 
 /// Targets that could be taken for each other: those that are read at the same stops.
 fn pairs_of_targets(campaign: &Campaign) -> BTreeSet<[usize; 2]> {
     let mut pairs = BTreeSet::new();
-    for stop in stops_of(campaign) {
-        let read = readings_of(campaign, stop);
-        for (i, &(a, _)) in read.iter().enumerate() {
-            let others = read[i + 1..].iter().filter(|(b, _)| *b != a);
-            pairs.extend(others.map(|&(b, _)| [a.min(b), a.max(b)]));
+    for stop in campaign.stops() {
+        let read: Vec<usize> = campaign.sightings(stop).map(|seen| seen.target).collect();
+        for (i, &a) in read.iter().enumerate() {
+            let others = read[i + 1..].iter().filter(|b| **b != a);
+            pairs.extend(others.map(|&b| [a.min(b), a.max(b)]));
         }
     }
     pairs

@@ -40,7 +40,6 @@ pub(crate) fn ranks(trials: usize, coverage: f64) -> Option<Ranks> {
     Some(Ranks { q, r })
 }
 
-/// The probabilistically symmetric interval.
 pub(crate) fn symmetric(sorted: &[f64], ranks: Ranks) -> Interval {
     Interval {
         low: sorted[ranks.r - 1],

@@ -2,13 +2,11 @@
 
 /// A propagation that cannot be made as asked, or a trial that failed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the message shows what each field is")]
 pub enum Error {
     /// The coverage probability is not between 0 and 1.
     #[error("the coverage probability is {coverage}, but must lie between 0 and 1")]
-    Coverage {
-        /// The one asked for.
-        coverage: f64,
-    },
+    Coverage { coverage: f64 },
     /// The model has nothing to propagate to.
     #[error("the model has no outputs")]
     NoOutputs,
@@ -18,61 +16,31 @@ pub enum Error {
          outside ({:.0} are recommended)",
         1e4 / (1.0 - coverage)
     )]
-    TooFewTrials {
-        /// Trials asked for.
-        trials: usize,
-        /// Coverage probability asked for.
-        coverage: f64,
-    },
+    TooFewTrials { trials: usize, coverage: f64 },
     /// Stability is judged from the scatter between blocks, so there must be two.
     #[error("{most} trials at most cannot hold two blocks of {block}: allow {} or more", 2 * block)]
-    TooFewForBlocks {
-        /// The most trials allowed.
-        most: usize,
-        /// Trials of one block.
-        block: usize,
-    },
+    TooFewForBlocks { most: usize, block: usize },
     /// A number of significant digits that an f64 does not have.
     #[error("{significant_digits} significant digits are asked for, but 1 to {most} are possible")]
-    SignificantDigits {
-        /// Digits asked for.
-        significant_digits: u32,
-        /// The most that are possible.
-        most: u32,
-    },
+    SignificantDigits { significant_digits: u32, most: u32 },
     /// The values of all trials need more memory than the settings allow.
     #[error(
         "{trials} trials of {outputs} outputs take {bytes} bytes, but the limit is {limit_bytes}; \
          {fitting_trials} trials fit"
     )]
     Memory {
-        /// Outputs of the model.
         outputs: usize,
-        /// Trials asked for (the most, for an adaptive number).
         trials: usize,
-        /// Bytes that they take.
         bytes: u128,
-        /// Bytes allowed.
         limit_bytes: u64,
-        /// Trials that stay within the limit.
         fitting_trials: u128,
     },
     /// The system does not have the memory that the settings allow.
     #[error("no memory for {trials} trials of {outputs} outputs")]
-    Allocation {
-        /// Outputs of the model.
-        outputs: usize,
-        /// Trials to be kept.
-        trials: usize,
-    },
+    Allocation { outputs: usize, trials: usize },
     /// The threads could not be started.
     #[error("{threads} threads could not be started: {reason}")]
-    Threads {
-        /// Threads asked for.
-        threads: usize,
-        /// What the system said.
-        reason: String,
-    },
+    Threads { threads: usize, reason: String },
     /// A trial failed: one of its outputs is infinite or not a number. It is the first such trial
     /// on any number of threads.
     #[error("trial {trial}: output {output} is {value}")]
@@ -81,7 +49,6 @@ pub enum Error {
         trial: u64,
         /// The first output of that trial that is not finite, from 0.
         output: usize,
-        /// Its value.
         value: f64,
     },
     /// The values of an output are finite, but so large that their squares are not.
@@ -96,11 +63,8 @@ pub enum Error {
          all must be finite"
     )]
     FirstOrderNotFinite {
-        /// The estimate.
         value: f64,
-        /// Its standard uncertainty.
         u: f64,
-        /// The coverage factor.
         coverage_factor: f64,
     },
 }

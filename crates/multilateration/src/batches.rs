@@ -129,7 +129,6 @@ fn chunk(
     ranges.iter().map(batch).collect()
 }
 
-/// The groups of the batches of some chunks.
 pub(crate) fn groups_of(batches: &[Batch], chunks: &[Range<usize>]) -> Vec<Range<usize>> {
     let of_chunk =
         |chunk: &Range<usize>| batches[chunk.start].groups.start..batches[chunk.end - 1].groups.end;
@@ -265,7 +264,6 @@ impl Batch {
         [part(0), part(1), part(2)]
     }
 
-    /// The points of the groups of the batch.
     #[inline(always)]
     pub(crate) fn own<'p, T>(&self, points: &'p [T]) -> &'p [T] {
         &points[self.first_points[0]..][..self.groups.len() * self.points]

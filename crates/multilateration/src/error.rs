@@ -2,33 +2,22 @@
 
 /// Lengths that cannot be adjusted. Indices refer to the [`crate::Network`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the message shows what each field is")]
 pub enum Error {
     /// Too few stations to find stations and points together.
     #[error("self-calibration needs at least {need} stations, found {found}")]
-    TooFewStations {
-        /// Stations needed.
-        need: usize,
-        /// Stations with readings.
-        found: usize,
-    },
+    TooFewStations { need: usize, found: usize },
     /// A station of the network has no readings.
     #[error("station {station} has no readings")]
-    StationWithoutReadings {
-        /// The station.
-        station: usize,
-    },
+    StationWithoutReadings { station: usize },
     /// A point is seen from too few stations.
     #[error(
         "point {point} of group {group} is seen from fewer stations than needed: {seen} of at least {need}"
     )]
     PointSeenTooRarely {
-        /// Group of the point.
         group: usize,
-        /// The point within its group.
         point: usize,
-        /// Stations that see it.
         seen: usize,
-        /// Stations needed.
         need: usize,
     },
     /// The beams to a point lie so that a direction of the point is free.
@@ -37,38 +26,27 @@ pub enum Error {
          {pivot:.1e}, limit {limit:.1e})"
     )]
     PointNotDetermined {
-        /// Group of the point.
         group: usize,
-        /// The point within its group.
         point: usize,
         /// Relative size of what determines the free direction.
         pivot: f64,
-        /// The least value accepted.
         limit: f64,
     },
     /// The points of a group do not show how its body is turned.
     #[error(
         "group {group}: number of points {points}; a rigid body needs three that are not in line"
     )]
-    NotRigid {
-        /// The group.
-        group: usize,
-        /// Its points.
-        points: usize,
-    },
+    NotRigid { group: usize, points: usize },
     /// The lengths to the points of a group leave a motion of its body free.
     #[error(
         "group {group}: its {lengths} lengths leave a motion of the body free (pivot {pivot:.1e}, limit \
          {limit:.1e})"
     )]
     PoseNotDetermined {
-        /// The group.
         group: usize,
-        /// Its lengths.
         lengths: usize,
         /// Relative size of what determines the free motion.
         pivot: f64,
-        /// The least value accepted.
         limit: f64,
     },
     /// The lengths leave the shape of a body open.
@@ -77,11 +55,8 @@ pub enum Error {
          limit {limit:.1e})"
     )]
     ShapeNotDetermined {
-        /// The body.
         body: usize,
-        /// Size of what should determine the free deformation.
         eigenvalue: f64,
-        /// The least value accepted.
         limit: f64,
     },
     /// The lengths leave the constants of the reflectors open.
@@ -89,16 +64,10 @@ pub enum Error {
         "the lengths do not determine how the constants of the reflectors differ (relative eigenvalue \
          {eigenvalue:.1e}, limit {limit:.1e})"
     )]
-    ReflectorsNotDetermined {
-        /// Size of what should determine the free difference.
-        eigenvalue: f64,
-        /// The least value accepted.
-        limit: f64,
-    },
+    ReflectorsNotDetermined { eigenvalue: f64, limit: f64 },
     /// Fewer readings than unknowns.
     #[error("{readings} lengths cannot determine {unknowns} unknowns")]
     TooFewReadings {
-        /// Lengths given.
         readings: usize,
         /// Unknowns less the six of the datum.
         unknowns: usize,
@@ -109,11 +78,8 @@ pub enum Error {
          {readings} readings)"
     )]
     NoStart {
-        /// The station.
         station: usize,
-        /// Its readings.
         readings: usize,
-        /// Rms of the best attempt, mm.
         rms_mm: f64,
     },
     /// The lengths do not determine the stations.
@@ -124,9 +90,7 @@ pub enum Error {
     StationsNotDetermined {
         /// Free combinations beyond position and orientation of the whole.
         defect: usize,
-        /// Size of what should determine them.
         eigenvalue: f64,
-        /// The least value accepted.
         limit: f64,
         /// The unknowns that take part, largest share first.
         free: Vec<StationUnknown>,
@@ -136,18 +100,10 @@ pub enum Error {
         "the adjustment ran away from its start: the lengths contradict each other (reading {reading} \
          is {residual_mm:.3} mm off at the start)"
     )]
-    RanAway {
-        /// The reading with the largest residual at the start.
-        reading: usize,
-        /// Its residual, mm.
-        residual_mm: f64,
-    },
+    RanAway { reading: usize, residual_mm: f64 },
     /// The network contradicts itself: an index out of range or a number that is not finite.
     #[error("the network is malformed: {what}")]
-    Malformed {
-        /// What is wrong.
-        what: String,
-    },
+    Malformed { what: String },
     /// The least-squares machinery failed.
     #[error("the adjustment failed")]
     LeastSquares(#[source] trueaxis_leastsquares::Error),

@@ -52,7 +52,6 @@ pub(crate) fn cross([a, b, c]: LaneVector, [x, y, z]: LaneVector) -> LaneVector 
     [b * z - c * y, c * x - a * z, a * y - b * x]
 }
 
-/// The same vector in all lanes.
 #[inline(always)]
 pub(crate) fn splat(x: f64, y: f64, z: f64) -> LaneVector {
     [Lanes::splat(x), Lanes::splat(y), Lanes::splat(z)]

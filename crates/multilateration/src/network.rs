@@ -219,7 +219,6 @@ impl Network {
         self.variance_factors.get(reading).copied().unwrap_or(1.0)
     }
 
-    /// The readings of a visit.
     pub(crate) fn readings_of(&self, visit: &Visit) -> &[Reading] {
         &self.readings[visit.readings.clone()]
     }

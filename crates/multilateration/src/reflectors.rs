@@ -63,7 +63,6 @@ pub fn contrast(reflector: usize, m: usize) -> f64 {
     }
 }
 
-/// The constants that follow from the contrasts, mm.
 pub(crate) fn constants_mm(contrasts_mm: &[f64]) -> Vec<f64> {
     let constant = |r: usize| {
         let all = contrasts_mm.iter().enumerate();

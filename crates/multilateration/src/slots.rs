@@ -21,7 +21,6 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// The visit that a slot belongs to.
     pub(crate) fn visit_of(&self, slot: usize) -> usize {
         self.visits.partition_point(|visit| visit.slots.end <= slot)
     }
@@ -38,7 +37,6 @@ impl Layout {
     }
 }
 
-/// The slots of a visit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct SlotVisit {
     pub(crate) station: usize,
@@ -97,7 +95,6 @@ impl<'n> Slots<'n> {
         }
     }
 
-    /// Takes the slots of some groups.
     pub(crate) fn take(&mut self, groups: Range<usize>) {
         self.places.clear();
         self.ends.clear();

@@ -56,9 +56,6 @@ pub(crate) fn solve_from_start(
 /// Adjusts a network from the solution `near` of a similar one: the same stations and groups, but other lengths,
 /// weights, interruptions or bodies. Its positions and dead paths are the start and may be some millimetres off.
 /// Changing from tied points to free ones, or back, takes an iteration or two.
-///
-/// # Errors
-/// Those of [`solve`].
 pub fn refine<'a>(network: &'a Network, near: &Solution) -> Result<Refined<'a>, Error> {
     network.check()?;
     within_pool(network.groups.len().div_ceil(LANES), || {
@@ -104,18 +101,12 @@ fn refine_batches<'a>(
 }
 
 /// As [`refine`], with the covariance.
-///
-/// # Errors
-/// Those of [`solve`].
 pub fn solve_from(network: &Network, near: &Solution) -> Result<Solution, Error> {
     refine(network, near)?.solution()
 }
 
 /// Solves a network again that differs from the one of the solution `solved` only in its noise: the groups need not
 /// be arranged again.
-///
-/// # Errors
-/// Those of [`solve`].
 pub fn solve_with_noise(network: &Network, solved: &Solution) -> Result<Solution, Error> {
     network.noise.check()?;
     refine_batches(network, &solved.batches, solved)?.solution()
@@ -130,9 +121,6 @@ pub struct Refined<'a> {
 
 impl Refined<'_> {
     /// The whole solution with the covariance of everything.
-    ///
-    /// # Errors
-    /// Those of [`solve`].
     pub fn solution(self) -> Result<Solution, Error> {
         let Self {
             model,

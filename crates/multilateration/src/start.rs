@@ -46,9 +46,6 @@ impl Start {
     }
 
     /// Solves the network of this start; its weights may have changed.
-    ///
-    /// # Errors
-    /// Those of [`crate::solve`].
     pub fn solve(self, network: &Network) -> Result<Solution, Error> {
         solve_from_start(network, &batches_of(network)?, self)
     }

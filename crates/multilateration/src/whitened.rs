@@ -113,7 +113,6 @@ impl Whitened {
         whitened
     }
 
-    /// The rows of all visits, to be filled.
     fn by_visit(&mut self, network: &Network) -> Vec<VisitRows<'_>> {
         let counts = || network.visits.iter().map(|visit| visit.readings.len());
         let of_rows = |width: usize| counts().map(move |count| count * width);
@@ -222,7 +221,6 @@ fn add_times(sum: &mut [f64], factor: f64, x: &[f64]) {
     }
 }
 
-/// The rows of a visit, to be filled.
 struct VisitRows<'a> {
     own: &'a mut [f64],
     shared: &'a mut [f64],

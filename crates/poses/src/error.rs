@@ -2,6 +2,7 @@
 
 /// A campaign that does not yield poses.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the message shows what each field is")]
 pub enum Error {
     /// The campaign has neither lengths nor points.
     #[error(
@@ -11,43 +12,28 @@ pub enum Error {
     NothingMeasured,
     /// The lengths do not determine stations, points or poses.
     #[error("{what}; {hint}")]
-    NotIdentifiable {
-        /// What cannot be determined, by name.
-        what: String,
-        /// What would determine it.
-        hint: String,
-    },
+    NotIdentifiable { what: String, hint: String },
     /// The adjustment did not reach a minimum.
     #[error(
         "the adjustment of the lengths did not converge after {iterations} iterations: {termination}"
     )]
     NotConverged {
-        /// Iterations used.
         iterations: usize,
-        /// Why it stopped, with numbers.
         termination: String,
     },
     /// So much would have to be removed, or so little shows what, that no result can be trusted.
     #[error("{what}; {hint}")]
-    NotTrustworthy {
-        /// What contradicts what.
-        what: String,
-        /// What to do.
-        hint: String,
-    },
+    NotTrustworthy { what: String, hint: String },
     /// The lengths contradict each other far beyond their noise.
     #[error(
         "the lengths contradict each other: rms residual {rms_um:.1} µm, {sigma0:.0} times what \
          the noise explains; worst is {worst}; {hint}"
     )]
     Contradictory {
-        /// Rms of the residuals, µm.
         rms_um: f64,
         /// Standard deviation of unit weight.
         sigma0: f64,
-        /// Where the misfit is largest.
         worst: String,
-        /// What to look at.
         hint: &'static str,
     },
     /// The lengths contradict each other so much that the adjustment drove a station away.
@@ -56,12 +42,7 @@ pub enum Error {
          {residual_mm:.1} mm off what the nominal positions say, more than any other: check it, and \
          that every row names its own station"
     )]
-    RanAway {
-        /// A description of the length with the largest misfit.
-        length: String,
-        /// Its misfit, mm.
-        residual_mm: f64,
-    },
+    RanAway { length: String, residual_mm: f64 },
     /// A length that no position of its station explains.
     #[error(
         "no position of station {station} explains its {readings} lengths: the best leaves {rms_mm:.1} mm \
@@ -70,11 +51,8 @@ pub enum Error {
          by centimetres does the same"
     )]
     StationUnexplained {
-        /// Name of the station.
         station: String,
-        /// Number of its lengths.
         readings: usize,
-        /// Rms of the best attempt, mm.
         rms_mm: f64,
     },
     /// Effects on lengths in a campaign that has none.
@@ -84,12 +62,7 @@ pub enum Error {
     EffectsWithoutLengths,
     /// A covariance or an equation system failed although all checks before it passed.
     #[error("axis {axis}: {what}")]
-    Numerical {
-        /// The axis.
-        axis: String,
-        /// What failed, with numbers.
-        what: String,
-    },
+    Numerical { axis: String, what: String },
 }
 
 impl Error {

@@ -265,11 +265,8 @@ impl AdjustmentReport {
 
 /// Whether a step of a run was approached from both sides.
 pub(crate) fn approached_from_both_sides(campaign: &Campaign) -> bool {
-    let lengths = campaign.lengths.iter().flat_map(|lengths| &lengths.stops);
-    let points = campaign.points.iter().flat_map(|points| &points.stops);
-    let mut in_runs = lengths
-        .chain(points)
-        .filter(|stop| campaign.steps[stop.step].run.is_some());
+    let stops = campaign.stops().iter();
+    let mut in_runs = stops.filter(|stop| campaign.steps[stop.step].run.is_some());
     let mut steps: Vec<Option<Direction>> = vec![None; campaign.steps.len()];
     in_runs.any(|stop| *steps[stop.step].get_or_insert(stop.direction) != stop.direction)
 }

@@ -50,7 +50,6 @@ pub(crate) fn length_in_words(campaign: &Campaign, lengths: &Lengths, reading: u
     )
 }
 
-/// The stop of a reading.
 pub(crate) fn stop_of(lengths: &Lengths, reading: usize) -> &Stop {
     let stops = &lengths.stops;
     &stops[stops.partition_point(|stop| stop.readings.end <= reading)]

@@ -13,7 +13,6 @@ use crate::svg::plot::{COLOURS, Plot};
 use crate::svg::ticks::{Ruler, range};
 use crate::words;
 
-/// The section of the diagnosis.
 #[derive(Serialize)]
 pub(crate) struct DiagnosisSection {
     levels: Vec<LevelView>,

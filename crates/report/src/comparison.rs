@@ -47,7 +47,6 @@ struct Difference {
     follows_from_other_steps: bool,
 }
 
-/// The section of the comparison.
 #[derive(Serialize)]
 pub(crate) struct ComparisonSection {
     first: String,
@@ -162,15 +161,7 @@ impl Difference {
         let y_label = format!("change in {}", self.unit());
         let x = (x_label.as_str(), Ruler::positions(is_rotary, from, to, 5));
         let mut plot = Plot::new(SIZE, name, x, (&y_label, Ruler::new(low, high, 5)));
-        let at = |side: f64| -> Vec<[f64; 2]> {
-            nodes
-                .iter()
-                .map(|[x, value, u]| [*x, value + side * u])
-                .collect()
-        };
-        plot.band(0, &at(-1.0), &at(1.0));
-        plot.line("l0", at(0.0));
-        plot.marks("m0", at(0.0));
+        plot.curve(0, &nodes);
         for [x, value, u] in &nodes {
             let told = Self::told((*value, Some(*u).filter(|u| u.is_finite())), self.unit());
             plot.hover(

@@ -10,7 +10,6 @@ use crate::svg::plot::Plot;
 use crate::svg::ticks::{Ruler, bounds, range};
 use crate::words;
 
-/// The section of an axis.
 #[derive(Serialize)]
 pub(crate) struct AxisSection {
     name: String,
@@ -137,14 +136,7 @@ fn figure(axis: &Axis, name: &str, curve: &Curve, described: &str) -> Figure {
     };
     for (colour, (side, told)) in sides.into_iter().enumerate() {
         let on = of_side(side);
-        let at = |shift: f64| -> Vec<[f64; 2]> {
-            on.iter()
-                .map(|[x, value, expanded]| [*x, value + shift * expanded])
-                .collect()
-        };
-        plot.band(colour, &at(-1.0), &at(1.0));
-        plot.line(&format!("l{colour}"), at(0.0));
-        plot.marks(&format!("m{colour}"), at(0.0));
+        plot.curve(colour, &on);
         for [x, value, expanded] in on {
             let text = format!(
                 "{} = {x}{position_unit}{told}: {name} = {}{unit}",

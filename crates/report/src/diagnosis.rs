@@ -159,7 +159,6 @@ impl Disturbance {
         self.level == "points" && self.layer == "setup" && !is_of_target
     }
 
-    /// The axis that it is of.
     pub(crate) fn axis(&self) -> Option<&str> {
         self.subject.get("axis").and_then(Value::as_str)
     }
@@ -178,6 +177,9 @@ impl Disturbance {
             }
             (_, Some(axis)) if with == "time and direction" => {
                 format!("disturbance of the lost motion of axis {axis}")
+            }
+            (_, Some(axis)) if with == "direction" => {
+                format!("disturbance of how axis {axis} stands from either side")
             }
             _ if self.is_of_frame() => "disturbance of the frame of the instrument".to_owned(),
             _ if self.subject.values().any(Value::is_string) => {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 /// A report that cannot be made.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the message shows what each field is")]
 pub enum Error {
     /// The folder holds no result.
     #[error(
@@ -11,22 +12,16 @@ pub enum Error {
         folder = folder.display(),
         found = crate::input::RESULTS.join(" nor ")
     )]
-    NothingToReport {
-        /// The folder.
-        folder: PathBuf,
-    },
+    NothingToReport { folder: PathBuf },
     /// A file cannot be read.
     #[error("{file} cannot be read", file = file.display())]
     Unreadable {
-        /// The file.
         file: PathBuf,
-        /// Why.
         source: std::io::Error,
     },
     /// A JSON file is not what its name says.
     #[error("{file} is not a result of this program; write it again with `trueaxis`", file = file.display())]
     NotAResult {
-        /// The file.
         file: PathBuf,
         /// What is wrong, with line and column where there are any.
         source: serde_json::Error,
@@ -37,17 +32,13 @@ pub enum Error {
         file = file.display()
     )]
     OtherFormat {
-        /// The file.
         file: PathBuf,
-        /// Format and version that it names.
         found: String,
-        /// Those that are read.
         expected: String,
     },
     /// The residuals are no table as `trueaxis calibrate` writes it.
     #[error("{file} is not a table of residuals; write it again with `trueaxis calibrate`", file = file.display())]
     NotResiduals {
-        /// The file.
         file: PathBuf,
         /// What is wrong, with its line.
         source: csv::Error,
@@ -56,8 +47,5 @@ pub enum Error {
     #[error(
         "the template fails; compare it with the program's own (crates/report/src/report.html)"
     )]
-    Template {
-        /// Where and why.
-        source: minijinja::Error,
-    },
+    Template { source: minijinja::Error },
 }

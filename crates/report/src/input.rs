@@ -156,7 +156,6 @@ fn leave_out<T>(
     }
 }
 
-/// The checksums of the inputs of a result, by name.
 fn checksums(result: &Value) -> BTreeMap<&str, &str> {
     let inputs = result["traceability"]["inputs"].as_array();
     let inputs = inputs.into_iter().flatten();
@@ -213,7 +212,6 @@ fn plain(value: &Value) -> String {
         .map_or_else(|| value.to_string(), str::to_owned)
 }
 
-/// The text of a file, if there is one.
 pub(crate) fn read_text(file: &Path) -> Result<Option<String>, Error> {
     use std::io::ErrorKind::{NotADirectory, NotFound};
     match std::fs::read_to_string(file) {

@@ -127,7 +127,6 @@ impl<'a> Page<'a> {
         }
     }
 
-    /// All figures, in the order of the page.
     pub(crate) fn figures(&self) -> Vec<&Figure> {
         let of_axes = self.axes.iter().flat_map(|axis| &axis.figures);
         let of_evidence = self.evidence.iter().flat_map(Evidence::figures);

@@ -86,7 +86,6 @@ impl Residuals {
         Ok(residuals)
     }
 
-    /// Rms of all residuals, µm.
     pub(crate) fn rms_um(&self) -> f64 {
         let squares: f64 = self.rows.iter().map(|row| row.residual_um.powi(2)).sum();
         (squares / self.rows.len().max(1) as f64).sqrt()
@@ -97,7 +96,6 @@ impl Residuals {
         self.rows.iter().filter(|row| row.used)
     }
 
-    /// Positions of all axes at a row.
     pub(crate) fn positions(&self, row: usize) -> &[f64] {
         let axes = self.axes.len();
         self.positions

@@ -112,7 +112,6 @@ struct Agreement {
     misfit: bool,
 }
 
-/// The section of the verification.
 #[derive(Serialize)]
 pub(crate) struct VerificationSection {
     compensated: bool,

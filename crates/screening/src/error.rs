@@ -2,6 +2,7 @@
 
 /// Lengths that cannot be screened. Indices refer to the [`Network`](trueaxis_multilateration::Network).
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[expect(missing_docs, reason = "the message shows what each field is")]
 pub enum Error {
     /// The lengths cannot be adjusted.
     #[error(transparent)]
@@ -13,9 +14,7 @@ pub enum Error {
         limit * 100.0
     )]
     TooManyGrossErrors {
-        /// The readings that would have to be removed.
         removed: Vec<usize>,
-        /// All readings.
         readings: usize,
         /// Share that may be removed.
         limit: f64,
@@ -23,11 +22,8 @@ pub enum Error {
     /// So many readings would leave a station or a group that the others prove nothing.
     #[error("{part:?} would lose {removed} of {readings} lengths, more than {limit:.2} of them")]
     PartLost {
-        /// The part that loses them.
         part: Part,
-        /// Readings that would have to be removed.
         removed: usize,
-        /// All its readings.
         readings: usize,
         /// Share that may be removed.
         limit: f64,

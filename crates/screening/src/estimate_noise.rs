@@ -80,9 +80,6 @@ const VANISHED: f64 = 1e-6;
 
 /// Estimates the noise of a solved network and solves it again with the estimate. `declared` says whether the
 /// network's noise is more than a guess: then it is kept where the data show less.
-///
-/// # Errors
-/// Those of [`solve`](trueaxis_multilateration::solve).
 pub fn estimate_noise(
     network: &mut Network,
     solution: &mut Solution,

@@ -17,9 +17,7 @@ use trueaxis_multilateration::{CHECKED_TOL, Network, Whitened};
 /// The test of a jump in a station's zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct JumpTest {
-    /// The station.
     pub(crate) station: usize,
-    /// First reading after the jump.
     pub(crate) first_reading: usize,
     /// Readings of the same zero before the jump, and after it.
     pub(crate) before: usize,

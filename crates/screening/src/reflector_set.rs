@@ -44,9 +44,6 @@ pub fn adjust_as_a_set<T, E>(
 }
 
 /// Solves a network, starting from a solution of a similar one if given; see [`adjust_as_a_set`].
-///
-/// # Errors
-/// Those of [`solve`].
 pub fn solve_as_a_set(network: &mut Network, near: Option<&Solution>) -> Result<Solution, Error> {
     adjust_as_a_set(
         network,

@@ -101,7 +101,7 @@ impl Axes<'_> {
         match together {
             Ok(screened) if !screened.solution.termination.is_converged() => None,
             Ok(screened) if screened.solution.is_of_computed_lengths() => None,
-            Ok(screened) => Some((Cow::Borrowed(screened), wrong(screened))),
+            Ok(screened) => Some((Cow::Borrowed(screened), screened.changes())),
             Err(error) if error.is_contradiction() => {
                 let plain = Screened::plain(self.network, self.declared).ok()?;
                 Some((Cow::Owned(plain), usize::MAX))
@@ -134,7 +134,7 @@ impl Axes<'_> {
         for _ in 0..SEARCHES {
             let noise = adjusted(found, ratios)?.network.noise;
             let next = self.search(ratios, noise)?;
-            let is_same = wrong(&next) == wrong(found);
+            let is_same = next.changes() == found.changes();
             *found = Cow::Owned(self.again(ratios, &next)?);
             if is_same {
                 break;
@@ -163,9 +163,4 @@ impl Axes<'_> {
             ..self.network.clone()
         }
     }
-}
-
-/// The number of gross errors and jumps.
-fn wrong(screened: &Screened) -> usize {
-    screened.removed.len() + screened.jumps.len()
 }

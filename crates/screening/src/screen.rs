@@ -45,9 +45,6 @@ pub fn screen(network: &Network, declared: bool) -> Result<Screened, Error> {
 
 /// As [`screen`], where at most the share `most_removed` of the readings may be removed: a search that would remove
 /// more is given up early.
-///
-/// # Errors
-/// Those of [`screen`].
 pub fn screen_within(
     network: &Network,
     declared: bool,
@@ -57,9 +54,6 @@ pub fn screen_within(
 }
 
 /// As [`screen_within`]; where something contradicts the others, `explained` is asked before it is sought.
-///
-/// # Errors
-/// Those of [`screen`].
 pub fn screen_unless(
     network: &Network,
     declared: bool,
@@ -78,12 +72,12 @@ pub fn screen_unless(
         // By the noise of all, many lengths that only scatter more are gross errors.
         if found
             .as_ref()
-            .map_or_else(Error::is_contradiction, |found| changes(found) > 0)
+            .map_or_else(Error::is_contradiction, |found| found.changes() > 0)
             && let Some(weighed) = first.weighed(network)?
             && let Ok(of_weighed) = screen_by(&weighed, &mut work(&weighed)?)
             && found
                 .as_ref()
-                .map_or(true, |found| changes(&of_weighed) < changes(found))
+                .map_or(true, |found| of_weighed.changes() < found.changes())
         {
             return Screened::as_found(network, declared, &of_weighed);
         }
@@ -128,11 +122,6 @@ pub fn is_clean(adjusted: &Screened) -> bool {
         work.suspicious()
     };
     sought().is_ok_and(|is_suspicious| !is_suspicious)
-}
-
-/// Readings removed, and occupations split.
-fn changes(screened: &Screened) -> usize {
-    screened.removed.len() + screened.jumps.len()
 }
 
 fn screen_by(network: &Network, work: &mut Search) -> Result<Screened, Error> {

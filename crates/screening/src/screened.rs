@@ -76,9 +76,6 @@ pub struct WanderingZero {
 
 impl Screened {
     /// One adjustment of all readings with full weight, and the noise that they show.
-    ///
-    /// # Errors
-    /// Those of the adjustment.
     pub fn plain(network: &Network, declared: bool) -> Result<Self, Error> {
         let kept = (0..network.readings.len()).collect();
         Self::adjusted(network.clone(), kept, declared)
@@ -86,9 +83,6 @@ impl Screened {
 
     /// The same readings in other groups: those that `found` kept, with occupations split as there. Nothing is sought
     /// again; the noise is estimated from this network.
-    ///
-    /// # Errors
-    /// Those of the adjustment.
     pub fn as_found(network: &Network, declared: bool, found: &Self) -> Result<Self, Error> {
         let without: Vec<usize> = found.removed.iter().map(|r| r.reading).collect();
         let (mut network, kept) = network.without(&without);
@@ -100,9 +94,6 @@ impl Screened {
 
     /// The same with less weight for lengths that scatter more than the others, and which they are; `None` if there are
     /// none. The noise is estimated again; `given` is that of the campaign.
-    ///
-    /// # Errors
-    /// Those of the adjustment.
     pub fn weighed(
         &self,
         given: Noise,
@@ -150,6 +141,11 @@ impl Screened {
             converged: true,
             tests: None,
         })
+    }
+
+    /// Readings removed, and occupations split.
+    pub fn changes(&self) -> usize {
+        self.removed.len() + self.jumps.len()
     }
 
     /// The tests of every reading and visit of the network.

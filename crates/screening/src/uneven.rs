@@ -89,9 +89,6 @@ pub struct LessWeight {
 
 /// Gives lengths that scatter more than the others less weight, by the tests at a solution; `None` if there are none.
 /// `declared` says whether the network's noise is more than a guess.
-///
-/// # Errors
-/// Those of [`solve_from`].
 pub fn weigh_uneven(
     network: &Network,
     (solution, tests): (&Solution, &Tests),

@@ -78,7 +78,6 @@ impl ShapeColumns {
         self.shapes[k].tried
     }
 
-    /// The rows that a shape concerns.
     pub(crate) fn concerned(&self, k: usize) -> Range<usize> {
         self.shapes[k].concerned.clone()
     }

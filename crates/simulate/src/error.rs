@@ -47,6 +47,7 @@ impl Problem {
 
 /// What can be wrong with a scenario. An [`Error`] says where it is.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the message shows what each field is")]
 pub enum Problem {
     /// The file of the scenario cannot be read.
     #[error("the file cannot be read")]
@@ -62,30 +63,16 @@ pub enum Problem {
     Campaign(trueaxis_campaign::Problem),
     /// A number that is not possible here.
     #[error("expected {expected}, found {value}")]
-    Value {
-        /// The number.
-        value: f64,
-        /// What is possible.
-        expected: &'static str,
-    },
+    Value { value: f64, expected: &'static str },
     /// Something else than what is there is expected.
     #[error("expected {expected}")]
-    Expected {
-        /// What is expected.
-        expected: String,
-    },
+    Expected { expected: String },
     /// Positions that do not increase.
     #[error("positions must increase, but {after} follows {before}")]
-    NotIncreasing {
-        /// The earlier position.
-        before: f64,
-        /// The later position.
-        after: f64,
-    },
+    NotIncreasing { before: f64, after: f64 },
     /// A commanded position that the axis cannot reach.
     #[error("position {position} of axis {axis} is outside its travel [{low}, {high}]")]
     OutsideTravel {
-        /// Name of the axis.
         axis: String,
         /// The position, mm or deg.
         position: f64,
@@ -97,60 +84,39 @@ pub enum Problem {
     /// A run measures a target that its axis does not move.
     #[error("axis {axis} does not move target {target}, which {carrier} carries")]
     TargetAtRest {
-        /// The axis of the run.
         axis: String,
-        /// Name of the target.
         target: String,
         /// The outermost axis that moves the target, or the bed.
         carrier: String,
     },
     /// A target that no run measures.
     #[error("no run measures target {target}; name it in a run or remove it")]
-    TargetUnused {
-        /// Name of the target.
-        target: String,
-    },
+    TargetUnused { target: String },
     /// Errors of an axis whose gauge is undefined because it never moves.
     #[error(
         "axis {axis} has errors, but no run moves it, so nothing defines what its \
          location errors and its component errors are; add a run, or set `gauge` to `none`"
     )]
-    NoRun {
-        /// Name of the axis.
-        axis: String,
-    },
+    NoRun { axis: String },
     /// Too few different positions to separate location errors from component errors.
     #[error(
         "the {count} commanded positions of axis {axis} cannot separate its location \
          errors from its component errors; run it at more positions, or set `gauge` to `none`"
     )]
-    GaugeUndefined {
-        /// Name of the axis.
-        axis: String,
-        /// Number of different positions.
-        count: usize,
-    },
+    GaugeUndefined { axis: String, count: usize },
     /// Lost motion of an axis that is not swept in both directions.
     #[error(
         "lost motion of axis {axis} is the difference between both directions, but run \
          {run} sweeps one; set its `directions` to [1, -1]"
     )]
-    LostMotionUnseen {
-        /// Name of the axis.
-        axis: String,
-        /// Name of the run.
-        run: String,
-    },
+    LostMotionUnseen { axis: String, run: String },
     /// A location error that is zero by definition of the reference frame.
     #[error("{name} = {value} {unit} must be zero, because {reason}")]
     TakenByFrame {
-        /// Its name.
         name: String,
-        /// Its value.
         value: f64,
         /// mm or arcsec.
         unit: &'static str,
-        /// What defines the frame.
         reason: String,
     },
     /// Mounting errors that move the origin of the reference frame.
@@ -160,9 +126,7 @@ pub enum Problem {
         x = mean_mm[0], y = mean_mm[1], z = mean_mm[2]
     )]
     MountingMean {
-        /// Names of the targets that define the frame.
         targets: String,
-        /// Mean of true minus nominal positions, mm.
         mean_mm: [f64; 3],
         /// Mounting errors that differ by a rigid motion and pass.
         corrected: String,
@@ -175,9 +139,7 @@ pub enum Problem {
         x = rotation_rad[0], y = rotation_rad[1], z = rotation_rad[2]
     )]
     MountingRotation {
-        /// Names of the targets that define the frame.
         targets: String,
-        /// Best-fit rotation vector, rad.
         rotation_rad: [f64; 3],
         /// Mounting errors that differ by a rigid motion and pass.
         corrected: String,
@@ -188,10 +150,7 @@ pub enum Problem {
          length_sigma_ppm = {b} and repeatability_um = {m}; set all three to 0 in `noise`",
         a = noise.length_sigma_um, b = noise.length_sigma_ppm, m = noise.repeatability_um
     )]
-    ExactWithNoise {
-        /// The noise asked for.
-        noise: Noise,
-    },
+    ExactWithNoise { noise: Noise },
     /// An effect that the scenario's measurement cannot have.
     #[error(transparent)]
     Effect(trueaxis_effects::Problem),

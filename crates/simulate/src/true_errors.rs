@@ -7,7 +7,6 @@ use trueaxis_kinematics::{LocationError, MICROMETRE, MotionError};
 use crate::Term;
 use crate::gauge::GaugePart;
 
-/// The true errors of one axis.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct TrueAxis {
     pub(crate) kind: AxisKind,
@@ -38,7 +37,6 @@ pub(crate) fn unit_of(component: Component) -> f64 {
 }
 
 impl TrueAxis {
-    /// An axis without errors.
     pub(crate) fn faultless(axis: &Axis) -> Self {
         Self {
             kind: axis.kind(),
@@ -66,7 +64,6 @@ impl TrueAxis {
         MotionError::from_vector(&(given - self.gauge.at(position).to_vector()))
     }
 
-    /// The error after arrival in `direction`.
     pub(crate) fn motion_after(&self, position: f64, direction: Direction) -> MotionError {
         let mean = self.motion(position).to_vector();
         let sign = f64::from(direction.sign());

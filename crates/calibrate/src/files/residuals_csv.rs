@@ -19,24 +19,18 @@ impl Calibration {
 
     /// Writes `residuals.csv`: the residuals (observed minus computed) of all lengths, or of all coordinates of
     /// points that led to a result, in measuring order. `campaign` must be the one that was calibrated.
-    ///
-    /// # Errors
-    /// Those of `out`.
     pub fn write_residuals_csv(&self, campaign: &Campaign, out: &mut dyn Write) -> io::Result<()> {
         let axes = campaign.machine.axes();
-        let (by, stops) = match (&campaign.lengths, &campaign.points) {
-            (None, Some(points)) => ("coordinate", &points.stops[..]),
-            (lengths, _) => {
-                let stops = lengths.as_ref().map(|lengths| &lengths.stops[..]);
-                ("station", stops.unwrap_or_default())
-            }
+        let by = match campaign.lengths {
+            Some(_) => "station",
+            None => "coordinate",
         };
         write!(out, "row,{by},target,run,time_s")?;
         for axis in axes {
             write!(out, ",{}", csv_cell(axis.name()))?;
         }
         out.write_all(b",residual_um,standardized,redundancy,used\n")?;
-        let mut stops = stops.iter().peekable();
+        let mut stops = campaign.stops().iter().peekable();
         // The rows of one stop share their positions. Writing to a String cannot fail.
         let (mut positions, mut of_stop) = (String::new(), None);
         let mut row = String::new();
@@ -46,7 +40,7 @@ impl Calibration {
                 .is_some()
             {}
             let Some(stop) = stops.peek() else { break };
-            let Some((line, target, time_s)) = reading(campaign, residual.reading) else {
+            let Some(seen) = campaign.sighting(residual.reading) else {
                 break;
             };
             let by = match residual.coordinate {
@@ -64,11 +58,12 @@ impl Calibration {
             row.clear();
             let _ = write!(
                 row,
-                "{line},{by},{},{},",
-                csv_cell(&campaign.targets[target].name),
+                "{},{by},{},{},",
+                seen.line,
+                csv_cell(&campaign.targets[seen.target].name),
                 csv_cell(run),
             );
-            push_rounded(&mut row, time_s, DECIMALS);
+            push_rounded(&mut row, seen.time_s, DECIMALS);
             row.push_str(&positions);
             let residual_um = residual.residual_mm / MICROMETRE;
             let numbers = [
@@ -89,19 +84,5 @@ impl Calibration {
             out.write_all(row.as_bytes())?;
         }
         Ok(())
-    }
-}
-
-/// Line, target and time (s) of a length or a point.
-fn reading(campaign: &Campaign, number: usize) -> Option<(usize, usize, f64)> {
-    match (&campaign.lengths, &campaign.points) {
-        (Some(lengths), _) => {
-            let reading = lengths.readings.get(number)?;
-            Some((reading.line, reading.target, reading.time_s))
-        }
-        (None, points) => {
-            let reading = points.as_ref()?.readings.get(number)?;
-            Some((reading.line, reading.target, reading.time_s))
-        }
     }
 }

@@ -11,7 +11,6 @@ use trueaxis_predict::{Node, weights_at};
 #[derive(Default)]
 pub(crate) struct AxisData {
     pub(crate) axis: usize,
-    /// Campaign runs of the axis.
     pub(crate) runs: Vec<RunData>,
     /// One for each step of each run (and each side of approach, if the sides are kept apart).
     pub(crate) poses: Vec<AxisPose>,
@@ -25,7 +24,6 @@ pub(crate) struct RunData {
     pub(crate) run: usize,
     /// The body that the axis moves in this run.
     pub(crate) body: usize,
-    /// Its targets.
     pub(crate) targets: Vec<usize>,
     /// The axes outside the one under test, between it and the bed, in the order of their chain.
     pub(crate) outer: Vec<usize>,
@@ -183,7 +181,6 @@ impl AxisData {
 }
 
 impl RunData {
-    /// The run `run` with its first pose.
     fn new(campaign: &Campaign, poses: &Poses, first: &PoseObservation, run: usize) -> Self {
         let step = &campaign.steps[first.step];
         let (machine, axis) = (&campaign.machine, campaign.runs[run].axis);

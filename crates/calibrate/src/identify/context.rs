@@ -31,7 +31,6 @@ impl<'a> Context<'a> {
         self.data.iter().position(|data| data.axis == axis)
     }
 
-    /// Names of the runs of `data[k]`.
     pub(crate) fn run_names(&self, k: usize) -> Vec<String> {
         let runs = self.data[k].runs.iter();
         runs.map(|run| self.campaign.runs[run.run].name.clone())

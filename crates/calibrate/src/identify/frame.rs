@@ -25,7 +25,6 @@ pub(crate) struct FrameRule {
 pub(crate) struct Anchor {
     /// Index of the axis data.
     pub(crate) data: usize,
-    /// Its run.
     pub(crate) run: usize,
     /// Place of the target among the run's targets.
     pub(crate) place: usize,

@@ -52,7 +52,6 @@ impl<'a> BaseResponse<'a> {
         twist_map(datum_from_ref.matrix(), &lever)
     }
 
-    /// Response of a pose error.
     pub(crate) fn of_pose(&self, i: usize) -> Matrix6<f64> {
         self.identified.sensitivities[self.k].poses[i] * self.moved(i)
     }

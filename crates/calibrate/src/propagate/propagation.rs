@@ -32,7 +32,6 @@ pub(crate) struct Noise<'a> {
     pub(crate) dependence: &'a Dependence<'a>,
     pub(crate) axes: Vec<AxisNoise<'a>>,
     pub(crate) sources: SourceNoise,
-    /// Noise of the poses.
     pub(crate) poses: &'a PoseNoise,
 }
 

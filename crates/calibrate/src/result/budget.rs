@@ -74,7 +74,6 @@ impl Budget {
         }
     }
 
-    /// All parts times a factor.
     pub(crate) fn times(&self, factor: f64) -> Self {
         Self {
             laser: factor * self.laser,

@@ -29,9 +29,6 @@ impl Calibration {
     }
 
     /// Writes `covariance.npz`.
-    ///
-    /// # Errors
-    /// Those of `out`.
     pub fn write_covariance_npz(&self, out: &mut dyn WriteSeek) -> io::Result<()> {
         let results = results(&self.axes, &self.stations);
         let per_unit = results.map(|result| result.output.unit().size().recip());

@@ -70,7 +70,6 @@ pub(crate) struct Hypothesis {
     measured_factor: f64,
     /// ... for one station only, or for all.
     station: Option<usize>,
-    /// The mistake, if it is one.
     pub(crate) mistake: Option<Box<UnitMistake>>,
 }
 

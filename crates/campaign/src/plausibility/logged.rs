@@ -18,13 +18,11 @@ struct Range {
 /// unit of the format.
 type OtherUnit = (&'static str, f64, f64);
 
-/// Other units of a temperature.
 const TEMPERATURES: [OtherUnit; 2] = [
     ("kelvin: subtract 273.15", 273.15, 1.0),
     ("Fahrenheit: subtract 32, divide by 1.8", 32.0, 1.0 / 1.8),
 ];
 
-/// Other units of a pressure.
 const PRESSURES: [OtherUnit; 4] = [
     ("Pa: divide by 100", 0.0, 0.01),
     ("kPa: multiply by 10", 0.0, 10.0),

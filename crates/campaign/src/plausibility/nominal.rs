@@ -43,7 +43,6 @@ impl NominalPoints {
         }
     }
 
-    /// The target at the step.
     pub(crate) fn at(&self, step: usize, target: usize) -> Point3<f64> {
         self.points[step * self.targets + target]
     }

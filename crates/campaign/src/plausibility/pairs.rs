@@ -179,7 +179,6 @@ impl Pairs {
     }
 }
 
-/// A measured point and the reading that it is from.
 type Measured = (End, Point3<f64>);
 
 /// Two readings, and what was measured between them.

@@ -6,17 +6,13 @@ use trueaxis_files::value_to_json;
 
 /// The text of the document.
 pub(super) fn text(campaign: &Campaign, notices: &[String]) -> String {
-    let (readings, stops) = match (&campaign.lengths, &campaign.points) {
-        (Some(lengths), _) => (lengths.readings.len(), lengths.stops.len()),
-        (None, Some(points)) => (points.readings.len(), points.stops.len()),
-        (None, None) => (0, 0),
-    };
+    let stops = campaign.stops();
     let document = json!({
         "format": "trueaxis-check",
         "version": 1,
         "campaign": campaign.name,
-        "readings": readings,
-        "stops": stops,
+        "readings": stops.last().map_or(0, |stop| stop.readings.end),
+        "stops": stops.len(),
         "coverage": entries(campaign),
         "notices": notices,
     });

@@ -34,7 +34,6 @@ struct Curve {
     points: Vec<(f64, f64)>,
 }
 
-/// The errors of one axis.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct AxisErrors {
     pub(crate) axis: usize,
@@ -46,7 +45,6 @@ pub(crate) struct AxisErrors {
     pub(crate) given: Vec<Component>,
     /// Whether their positions differ, so that they were interpolated.
     pub(crate) is_interpolated: bool,
-    /// Location errors that are in the file.
     pub(crate) locations: Vec<(LocationComponent, f64)>,
     /// Place of a rotary axis, if the file has it.
     pub(crate) centre_mm: Option<Point3<f64>>,

@@ -84,6 +84,16 @@ pub(crate) fn scale() -> Vec<Coordinate> {
         .into()
 }
 
+/// What an axis carries stands otherwise, by any motion.
+pub(crate) fn stage() -> Vec<Coordinate> {
+    let motions = (0..3)
+        .map(Motion::Displaced)
+        .chain((0..3).map(Motion::Turned));
+    motions
+        .map(|motion| Coordinate::Geometry(motion, Law::Constant))
+        .collect()
+}
+
 /// The geometry of an axis changes: squareness, straightness, bow and tilts. A displacement at home belongs to the
 /// machine, a rotation at home to what the axis carries.
 pub(crate) fn geometry(kind: AxisKind) -> Vec<Coordinate> {

@@ -23,7 +23,7 @@ use trueaxis_kinematics::AxisKind;
 use trueaxis_selection::Hypothesis;
 
 use crate::engine::basis::Basis;
-use crate::engine::coordinate::{Coordinate, geometry, parameters, scale};
+use crate::engine::coordinate::{Coordinate, geometry, parameters, scale, stage};
 use crate::engine::smooth::correlation_lengths;
 use crate::numbers::distinct;
 
@@ -62,6 +62,8 @@ pub(crate) enum With {
     Sides,
     /// Time, with opposite signs for the two sides of approach of an axis.
     SidesInTime,
+    /// Position of an axis, with opposite signs for the two sides of approach, of all motions of its stage.
+    StageBySides,
     /// Time, by functions of the position of an axis.
     TimeAndPosition,
 }
@@ -151,6 +153,8 @@ pub(crate) struct Here {
     pub(crate) campaign: f64,
     /// Position of the axis in its range, 0 to 1.
     pub(crate) travelled: f64,
+    /// Side of approach, +1 or -1.
+    pub(crate) side: f64,
 }
 
 impl Wanderer {
@@ -193,7 +197,7 @@ impl Wanderer {
     /// Whether the geometry or the drive of an axis changes with time.
     pub(crate) fn is_of_changing_axis(self) -> bool {
         let is_of_axis = matches!(self.who, Who::Axis(_));
-        is_of_axis && self.with != With::Sides
+        is_of_axis && !matches!(self.with, With::Sides | With::StageBySides)
     }
 
     /// Whether a cause is the mean that its course does not have: the lost motion that changes.
@@ -219,6 +223,7 @@ impl Wanderer {
                 return geometry(scene.machine.axes()[axis].kind());
             }
             (Who::Axis(_), With::Campaign) => return scale(),
+            (Who::Axis(_), With::StageBySides) => return stage(),
             (Who::Axis(_), _) => &[("backlash", 1)],
         };
         let all = moved.iter().flat_map(|&(id, count)| parameters(id, count));
@@ -232,6 +237,7 @@ impl Wanderer {
             (Who::Axis(_), With::Campaign) => Basis::beyond(20),
             (_, With::SidesInTime | With::TimeAndPosition) => Basis::beyond(10),
             (_, With::Sides) => Basis::within(8, false),
+            (_, With::StageBySides) => Basis::within(2, true),
             (Who::Target(_), With::Position) => Basis::within(6, true),
             (_, With::Occupation | With::Position) => Basis::within(12, true),
             (_, With::Campaign) => Basis::within(16, true),
@@ -252,7 +258,7 @@ impl Wanderer {
             With::Occupation => (here.station, here.occupation),
             With::Campaign | With::SidesInTime | With::TimeAndPosition => (0, here.campaign),
             With::Position => (here.axis?, here.travelled),
-            With::Sides => (0, here.travelled),
+            With::Sides | With::StageBySides => (0, here.travelled),
         };
         is_concerned.then_some(place)
     }
@@ -319,8 +325,13 @@ impl Wanderer {
             let Ok(course) = courses.binary_search(&course) else {
                 continue;
             };
+            // Lost motion, an effect in the catalogue, knows its sign.
+            let sign = match self.with {
+                With::StageBySides => here.side,
+                _ => 1.0,
+            };
             waves.clear();
-            waves.extend(basis.at(x));
+            waves.extend(basis.at(x).map(|wave| sign * wave));
             for (c, moved) in unit(i, &coordinates).into_iter().enumerate() {
                 let first = (course * coordinates.len() + c) * width;
                 for (column, wave) in columns[first..].iter_mut().zip(&waves) {
@@ -350,6 +361,7 @@ pub(crate) fn targets_and_axes(
         let (moves, is_linear) = (sides.contains(&true), own.kind() == AxisKind::Linear);
         add(With::Sides, sides == [true; 2]);
         add(With::SidesInTime, sides == [true; 2]);
+        add(With::StageBySides, sides == [true; 2]);
         add(With::Campaign, moves && is_linear);
         add(With::TimeAndPosition, moves);
     }

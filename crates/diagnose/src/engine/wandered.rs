@@ -149,6 +149,7 @@ fn whose(level: Level, wanderer: Wanderer, course: Option<usize>) -> Wandering {
             With::Occupation | With::Campaign => &["time"],
             With::Position => &["position"],
             With::Sides => &["position", "direction"],
+            With::StageBySides => &["direction"],
             With::SidesInTime => &["time", "direction"],
             With::TimeAndPosition => &["time", "position"],
         },
@@ -162,8 +163,10 @@ fn range<D: Wanders>(
     wanderer: Wanderer,
     course: Option<usize>,
 ) -> ([f64; 2], &'static str) {
-    if matches!(wanderer.with, With::Position | With::Sides)
-        && let Some(axis) = course.or(wanderer.subject().axis)
+    if matches!(
+        wanderer.with,
+        With::Position | With::Sides | With::StageBySides
+    ) && let Some(axis) = course.or(wanderer.subject().axis)
     {
         let kind = base.scene().machine.axes()[axis].kind();
         let ends = base.ends(axis).map(|end| kind.position_in_file(end));

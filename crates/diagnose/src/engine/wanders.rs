@@ -127,7 +127,7 @@ pub(crate) fn units_um<D: Wanders>(data: &D, model: &D::Model, wanderer: Wandere
     let moved = (0..readings).map(|i| moved(&coordinates, &subject, &data.circumstances(model, i)));
     let moved: Vec<Vec<Displaced>> = moved.collect();
     let times = match wanderer.with {
-        With::Sides | With::SidesInTime => 2.0,
+        With::Sides | With::SidesInTime | With::StageBySides => 2.0,
         _ => 1.0,
     };
     let unit_um = |c: usize| {

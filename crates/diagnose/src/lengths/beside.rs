@@ -54,6 +54,7 @@ impl Wanders for Base<'_> {
             occupation: reading.occupation_progress,
             campaign: (reading.time_s - first) / (last - first).max(f64::MIN_POSITIVE),
             travelled: travelled(self, reading),
+            side: reading.sign(),
         };
         self.readings.iter().map(here).collect()
     }

@@ -17,7 +17,6 @@ pub(super) struct Linearised {
     pub(super) unknowns: Vec<f64>,
     pub(super) residuals: Vec<f64>,
     pub(super) jacobian: DMatrix<f64>,
-    /// Lengths of the columns of the Jacobian.
     pub(super) column_lengths: Vec<f64>,
     pub(super) svd: ScaledSvd,
     pub(super) rank: usize,

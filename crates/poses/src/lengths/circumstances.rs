@@ -99,18 +99,13 @@ fn temperatures_of(campaign: &Campaign) -> impl Iterator<Item = (&LoggedColumn, 
 
 /// The courses of the temperatures of the scene ([`scene_of`]), as they were logged.
 pub fn temperature_histories(campaign: &Campaign) -> Vec<TemperatureHistory> {
-    let readings = campaign
-        .lengths
-        .iter()
-        .flat_map(|lengths| &lengths.readings);
-    let times: Vec<f64> = readings.map(|reading| reading.time_s).collect();
-    let history = |column: &LoggedColumn| {
-        let values = times.iter().zip(&column.values);
-        let logged: Vec<(f64, f64)> = values.filter_map(|(&t, v)| Some((t, (*v)?))).collect();
-        TemperatureHistory::from_logged(&logged)
-    };
-    let columns = temperatures_of(campaign);
-    columns.map(|(column, _)| history(column)).collect()
+    let logged = campaign.lengths.iter().flat_map(|lengths| {
+        let columns = temperatures_of(campaign);
+        columns.map(|(column, _)| lengths.course(column))
+    });
+    logged
+        .map(|c| TemperatureHistory::from_logged(&c))
+        .collect()
 }
 
 /// The circumstances of the readings with the numbers `kept` (ascending), in measuring order.

@@ -116,7 +116,7 @@ fn of_sides(
 
 /// How much is wrong.
 fn count(screened: &Screened) -> usize {
-    screened.removed.len() + screened.jumps.len() + screened.wandering.len()
+    screened.changes() + screened.wandering.len()
 }
 
 /// Whether poses that both sides share leave more than those of each side by more than chance, and than these `jumps`

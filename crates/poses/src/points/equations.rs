@@ -18,7 +18,6 @@ use crate::poses::{PoseNoise, PoseObservation, Poses, TargetBody};
 use crate::settings::Method;
 use crate::words::{MIN_TARGETS, step_in_words, target_names, too_few_targets};
 
-/// Poses with the equations that give them.
 pub(crate) struct PointPoses {
     pub(crate) poses: Poses,
     pub(crate) equations: PointEquations,
@@ -230,7 +229,6 @@ fn refused(campaign: &Campaign, step: usize, targets: &[usize], error: &Identify
 }
 
 impl PointEquations {
-    /// The steps of all poses.
     pub(crate) fn steps(&self) -> impl Iterator<Item = &StepPose> {
         self.sources.iter().map(|source| self.step(source))
     }

@@ -143,7 +143,6 @@ fn failing_among_others(
     failing.filter(|(_, _, p_value)| *p_value < level).collect()
 }
 
-/// The tests of poses against a shape.
 fn tested(poses: &[usize], fits: &[&StepPose], shape: &[Vector3<f64>]) -> Vec<Tested> {
     let tested = poses.par_iter().with_min_len(CHUNK);
     tested.map(|&i| (i, against(fits[i], shape))).collect()

@@ -29,9 +29,6 @@ impl FactoredCovariance {
     pub const FILE: &str = "covariance.npz";
 
     /// Writes `covariance.npz`, each result times a factor: one over the size of its unit.
-    ///
-    /// # Errors
-    /// Those of `out`.
     pub fn write_npz(&self, out: &mut dyn WriteSeek, per_unit: &[f64]) -> io::Result<()> {
         let (rows, columns) = self.sensitivities.shape();
         let blocks = self.own.iter().zip(per_unit.chunks_exact(6));

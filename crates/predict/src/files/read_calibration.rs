@@ -80,9 +80,6 @@ impl CalibratedMachine {
     };
 
     /// Reads `calibration.json`, and, if its errors have uncertainties, `covariance.npz` beside it.
-    ///
-    /// # Errors
-    /// [`ReadError`]: where, what was found, and what to do.
     pub fn read(path: &Path) -> Result<Self, ReadError> {
         let bytes = read_file(path, "give the path of a calibration.json")?;
         let text = String::from_utf8_lossy(&bytes);

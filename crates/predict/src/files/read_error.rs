@@ -6,15 +6,11 @@ use trueaxis_files::{DocumentError, FileProblem, NpzError};
 
 /// A calibration that cannot be read from its files.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the message shows what each field is")]
 pub enum ReadError {
     /// A file cannot be read.
     #[error("{}: {problem}", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// Why, and what to do.
-        problem: FileProblem,
-    },
+    File { path: PathBuf, problem: FileProblem },
     /// `calibration.json` is wrong.
     #[error(transparent)]
     Document(#[from] DocumentError),
@@ -27,51 +23,39 @@ pub enum ReadError {
         path.display()
     )]
     Covariance {
-        /// The file.
         path: PathBuf,
-        /// Why.
         problem: CovarianceProblem,
     },
 }
 
 /// What can be wrong with `covariance.npz`.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the message shows what each field is")]
 pub enum CovarianceProblem {
     /// It cannot be read.
     #[error(transparent)]
     File(#[from] NpzError),
     /// An array is not there.
     #[error("array `{name}` is missing")]
-    NoArray {
-        /// Its name.
-        name: &'static str,
-    },
+    NoArray { name: &'static str },
     /// An array of another size: another calibration.
     #[error(
         "array `{name}` has the shape {found:?}, expected {expected} for the results of this calibration.json"
     )]
     Shape {
-        /// Its name.
         name: &'static str,
-        /// Its shape.
         found: Vec<usize>,
-        /// What it should be.
         expected: String,
     },
     /// An array with something that is no number.
     #[error("array `{name}` has elements that are not finite")]
-    NotFinite {
-        /// Its name.
-        name: &'static str,
-    },
+    NotFinite { name: &'static str },
     /// Its uncertainties are others.
     #[error(
         "the standard uncertainty of {result} is {found:.6}, in calibration.json {expected:.6}"
     )]
     OtherUncertainty {
-        /// Name and unit of the result.
         result: String,
-        /// That of the covariance.
         found: f64,
         /// That of `calibration.json`.
         expected: f64,

@@ -111,6 +111,19 @@ impl Plot {
         self.drawing.path(&format!("b{colour}"), points);
     }
 
+    /// A curve with its points and its band; of each point its place, value and half of the band.
+    pub(crate) fn curve(&mut self, colour: usize, points: &[[f64; 3]]) {
+        let at = |shift: f64| -> Vec<[f64; 2]> {
+            points
+                .iter()
+                .map(|[x, value, half]| [*x, value + shift * half])
+                .collect()
+        };
+        self.band(colour, &at(-1.0), &at(1.0));
+        self.line(&format!("l{colour}"), at(0.0));
+        self.marks(&format!("m{colour}"), at(0.0));
+    }
+
     pub(crate) fn line(&mut self, class: &str, points: impl IntoIterator<Item = [f64; 2]>) {
         let points = self.inside(points);
         self.drawing.path(class, points);

@@ -14,7 +14,6 @@ const COORDINATES: [(&str, &str); 3] = [("x", "m0"), ("y", "m1"), ("z", "m2")];
 /// Distance of the marks of a place, where those of the next are at 1.
 const APART: f64 = 0.25;
 
-/// The figure of entry `k`.
 pub(super) fn figure(k: usize, entry: &Entry, compensated: bool) -> Option<Figure> {
     let of_calibration = |point: &Point| point.expected_um(compensated);
     let u = |point: &Point| {

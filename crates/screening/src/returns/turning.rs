@@ -10,7 +10,7 @@ use trueaxis_leastsquares::median;
 use trueaxis_multilateration::Noise;
 
 use super::turns::turns;
-use super::{Axes, AxisReturn, PLAIN, Returned, STEPS, wrong};
+use super::{Axes, AxisReturn, PLAIN, Returned, STEPS};
 use crate::{Error, Screened};
 
 /// Standard deviations from one at which a ratio of variances is no chance where less is wrong with it, since the stops
@@ -68,7 +68,7 @@ impl Axes<'_> {
         }
         let turns = ratios.iter().any(|own| own.angle > 0.0);
         let as_much = is_plain || is_explained;
-        let explains = wrong(&found) < limit || as_much && wrong(&found) == limit;
+        let explains = found.changes() < limit || as_much && found.changes() == limit;
         (turns && explains).then(|| (ratios, found.into_owned()))
     }
 

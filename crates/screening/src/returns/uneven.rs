@@ -1,7 +1,7 @@
 //! Axes that do not return equally well: where the visits of one plainly scatter more ([`uneven_axes`]), each gets the
 //! repeatability at which they all scatter alike.
 
-use super::{Axes, AxisReturn, PLAIN, Returned, STEPS, wrong};
+use super::{Axes, AxisReturn, PLAIN, Returned, STEPS};
 use crate::uneven::uneven_axes;
 use crate::{Error, Screened};
 
@@ -52,6 +52,6 @@ impl Axes<'_> {
             }
             Some(adjusted)
         })?;
-        (wrong(&found) <= limit).then(|| (ratios, found.into_owned()))
+        (found.changes() <= limit).then(|| (ratios, found.into_owned()))
     }
 }

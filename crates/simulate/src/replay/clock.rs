@@ -102,7 +102,6 @@ impl Clock {
         }
     }
 
-    /// The notice if the clocks differ.
     pub(super) fn notice(&self) -> Option<String> {
         let difference_s = self.largest_difference_s();
         (difference_s > WORTH_A_WORD_S).then(|| {

@@ -14,10 +14,8 @@ pub(super) fn temperatures(campaign: &Campaign, truth: &Truth) -> Vec<Temperatur
     let Some(lengths) = &campaign.lengths else {
         return Vec::new();
     };
-    let times = || lengths.readings.iter().map(|reading| reading.time_s);
     let spec = |column: &LoggedColumn| {
-        let values = times().zip(&column.values);
-        let logged: Vec<(f64, f64)> = values.filter_map(|(t, v)| Some((t, (*v)?))).collect();
+        let logged = lengths.course(column);
         let (times_s, values_c) = TemperatureHistory::from_logged(&logged).nodes().unzip();
         TemperatureSpec {
             column: column.name.clone(),

@@ -13,7 +13,6 @@ enum State {
     Points(usize, String),
 }
 
-/// The errors in a file of that name.
 pub(crate) fn read(file: &str, text: &str) -> Result<NamedErrors, Error> {
     let mut read = NamedErrors::new(file);
     let mut state = State::Outside;

@@ -18,7 +18,6 @@ struct Header {
     rows: usize,
 }
 
-/// The errors in a file of that name.
 pub(crate) fn read(file: &str, text: &str) -> Result<NamedErrors, Error> {
     let mut read = NamedErrors::new(file);
     let mut header: Option<Header> = None;
