@@ -62,7 +62,8 @@ pub struct CurvePoint {
     pub position: Option<f64>,
     /// Deviation of each coordinate from its mean over a turn or range, µm: x, y, z; for a station its dead path, for
     /// the frame of the instrument its rotations as rms displacement of the points, too. For the geometry of an axis
-    /// x, y, z of what carries it and the rotations of its stage as rms displacement of its targets.
+    /// x, y, z of what carries it and the rotations of its stage as rms displacement of its targets; for what differs by
+    /// side of approach these of the positive side less those of the negative one.
     pub value_um: Vec<f64>,
     /// Their standard uncertainties, µm.
     pub u_um: Vec<f64>,

@@ -218,8 +218,17 @@ mod tests {
     fn a_curve_without_degrees_of_freedom_is_inside_its_frame() {
         let half = half_of_band(0.3, Some(0.0));
         assert!(half.is_infinite());
-        let [low, high] = shown(&[[0.0, -3.0, half], [10.0, 14.0, half]]);
+        let nodes = [[0.0, -3.0, half], [10.0, 14.0, half]];
+        let [low, high] = shown(&nodes);
         assert!(low < -3.0 && high > 14.0 && high < 20.0, "{low} {high}");
+        let [x, y] = [[0.0, 10.0], [low, high]].map(|[from, to]| Ruler::new(from, to, 5));
+        let mut plot = Plot::new(SIZE, "", ("x", x), ("y", y));
+        plot.curve(0, &nodes);
+        let drawn = plot.finish().inline();
+        assert!(
+            drawn.contains("\"l0\"") && drawn.contains("\"m0\""),
+            "{drawn}"
+        );
         assert!(half_of_band(0.3, Some(1.0)) < 4.0);
     }
 }

@@ -35,6 +35,7 @@ mod report;
 mod round_trip;
 mod settled;
 mod settling;
+mod sides;
 mod slipped_target;
 mod temperatures;
 mod triangle;

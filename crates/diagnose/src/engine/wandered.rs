@@ -297,11 +297,11 @@ impl<'h> Course<'h> {
     }
 
     /// All shown values at a place of a course, 0 to 1, with their standard uncertainties, µm, relative to the mean
-    /// over the course, which the base model assigns to the position of a station or a target.
+    /// over the course, which the base model assigns to the position of a station or a target. No model has what differs by side.
     fn at(&self, course: usize, x: f64, shown: &[Shown]) -> (Vec<f64>, Vec<f64>) {
         let basis = self.wanderer.basis();
         let mut functions: Vec<f64> = basis.at(x).collect();
-        if basis.has_mean() {
+        if basis.has_mean() && self.wanderer.with != With::StageBySides {
             functions[0] = 0.0;
         }
         self.coefficients.at(course, &functions, shown)

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use trueaxis_multilateration::Error::RanAway;
 use trueaxis_multilateration::{Network, Noise, Solution, Whitened, solve_from};
 use trueaxis_screening::estimate_noise;
 use trueaxis_selection::Fit;
@@ -21,7 +20,8 @@ impl Base<'_> {
     /// Adjusts everything with `suspects` in the model, from their present parameters. What the rigid model and the
     /// disturbances of a model `near` absorb is used again. Without `noise` the noise is estimated.
     ///
-    /// Parameters of causes that the lengths hardly tell apart may run away: then the first linear step is the best.
+    /// Parameters of causes that the lengths hardly tell apart may run away, so that nothing can be adjusted: then the first
+    /// linear step is the best.
     pub(crate) fn adjust_from(
         &self,
         near: Option<&Adjusted>,
@@ -29,7 +29,7 @@ impl Base<'_> {
         noise: Option<Noise>,
     ) -> Result<Adjusted, Error> {
         match self.iterated(near, suspects.clone(), noise) {
-            Err(Error::Adjustment(RanAway { .. })) if !suspects.is_empty() => {
+            Err(Error::Adjustment(_)) if !suspects.is_empty() => {
                 self.first_step(suspects, noise.unwrap_or(self.network.noise))
             }
             found => found,

@@ -41,6 +41,7 @@ impl Wanders for Base<'_> {
             occupation: reading.progress,
             campaign: reading.progress,
             travelled,
+            side: reading.side,
         };
         self.readings.all.iter().zip(travelled).map(here).collect()
     }

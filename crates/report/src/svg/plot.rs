@@ -119,9 +119,11 @@ impl Plot {
                 .map(|[x, value, half]| [*x, value + shift * half])
                 .collect()
         };
+        // A band may be infinite, and nothing times that is no number.
+        let middle = || points.iter().map(|[x, value, _]| [*x, *value]);
         self.band(colour, &at(-1.0), &at(1.0));
-        self.line(&format!("l{colour}"), at(0.0));
-        self.marks(&format!("m{colour}"), at(0.0));
+        self.line(&format!("l{colour}"), middle());
+        self.marks(&format!("m{colour}"), middle());
     }
 
     pub(crate) fn line(&mut self, class: &str, points: impl IntoIterator<Item = [f64; 2]>) {
