@@ -86,7 +86,7 @@ impl Wandering {
                 ["time"] => format!("the scale of axis {axis_name}"),
                 ["time", "position"] => format!("the geometry of axis {axis_name}"),
                 ["position"] => format!("axis {axis_name}"),
-                ["direction"] => format!("how axis {axis_name} stands and is turned"),
+                ["direction"] => format!("straightness and angles of axis {axis_name}"),
                 _ => format!("lost motion of axis {axis_name}"),
             },
             (_, _, Layer::Machine) => "the machine".to_owned(),

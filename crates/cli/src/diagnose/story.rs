@@ -131,6 +131,10 @@ fn wanders(disturbance: &Disturbance, scene: &Scene) -> Vec<String> {
             "warm the machine up before measuring, and log the temperature of the bed and of the guides of the axis: squareness, \
              straightness and tilts that change with time are mostly warm"
         }
+        (Layer::Machine, Some(_), ["direction"]) => {
+            "look at the guides and bearings of the axis (clearance, preload, a drive beside the middle): it leans to one side as it is \
+             pushed and to the other as it is pulled; `calibrate --by-direction` gives a curve for each side"
+        }
         (Layer::Machine, Some(_), ["time", "direction"]) => {
             "look at the drive of the axis: what it loses changes while nut, bearings and clamps warm up or work loose"
         }

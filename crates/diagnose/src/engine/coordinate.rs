@@ -84,12 +84,19 @@ pub(crate) fn scale() -> Vec<Coordinate> {
         .into()
 }
 
-/// What an axis carries stands otherwise, by any motion.
-pub(crate) fn stage() -> Vec<Coordinate> {
-    let motions = (0..3)
-        .map(Motion::Displaced)
-        .chain((0..3).map(Motion::Turned));
+/// What an axis carries stands otherwise, by any motion but that along a linear axis or about a rotary one: this is lost
+/// motion.
+pub(crate) fn stage(axis: &Axis) -> Vec<Coordinate> {
+    let along = axis.direction().iamax();
+    let is_lost = |motion: &Motion| match (motion, axis.kind()) {
+        (Motion::Displaced(k), AxisKind::Linear) | (Motion::Turned(k), AxisKind::Rotary) => {
+            *k == along
+        }
+        _ => false,
+    };
+    let motions = (0..3).flat_map(|k| [Motion::Displaced(k), Motion::Turned(k)]);
     motions
+        .filter(|motion| !is_lost(motion))
         .map(|motion| Coordinate::Geometry(motion, Law::Constant))
         .collect()
 }

@@ -60,10 +60,10 @@ pub(crate) enum With {
     Position,
     /// Position of an axis, with opposite signs for the two sides of approach.
     Sides,
+    /// The same of the other motions of what the axis carries.
+    StageBySides,
     /// Time, with opposite signs for the two sides of approach of an axis.
     SidesInTime,
-    /// Position of an axis, with opposite signs for the two sides of approach, of all motions of its stage.
-    StageBySides,
     /// Time, by functions of the position of an axis.
     TimeAndPosition,
 }
@@ -223,7 +223,7 @@ impl Wanderer {
                 return geometry(scene.machine.axes()[axis].kind());
             }
             (Who::Axis(_), With::Campaign) => return scale(),
-            (Who::Axis(_), With::StageBySides) => return stage(),
+            (Who::Axis(axis), With::StageBySides) => return stage(&scene.machine.axes()[axis]),
             (Who::Axis(_), _) => &[("backlash", 1)],
         };
         let all = moved.iter().flat_map(|&(id, count)| parameters(id, count));
