@@ -21,8 +21,8 @@ use crate::verification::gross_errors::{IS_ON_ITS_WAY, readings_of};
 /// of ten.
 const LEAST_PAIRS: usize = 10;
 
-/// Standard deviations within which the mean of both sides agrees with one of the two being wrong.
-const AGREES: f64 = 3.0;
+/// Share of the error within which the mean of both sides must have moved by half of it.
+const AGREES: f64 = 0.25;
 
 /// Arrivals at one position, forward and backward.
 type Pair = [usize; 2];
@@ -59,9 +59,11 @@ pub(crate) fn against_other_side(
     let mut left_out: Vec<(usize, f64, Contradicts)> = Vec::new();
     for k in far {
         let error_um = bend(&difference, k).unwrap_or_else(|| off(&difference, k));
-        let moved = bend(&half_sum, k);
+        // Where the curve is rough, the mean tells nothing.
+        let is_smooth = 2.0 * FAR * of_mean < error_um.abs();
+        let moved = bend(&half_sum, k).filter(|_| is_smooth);
         let agrees = |part: f64| {
-            moved.is_some_and(|moved| (moved - part * error_um).abs() < AGREES * of_mean)
+            moved.is_some_and(|moved| (moved - part * error_um).abs() < AGREES * error_um.abs())
         };
         let [forward, backward] = pairs[k];
         let is_forward = agrees(0.5);

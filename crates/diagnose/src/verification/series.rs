@@ -177,7 +177,7 @@ fn impossible(problem: &Problem<'_>, tests: &[Omnibus]) -> Option<Unexplained> {
     let own = &candidate.hypothesis;
     let varies_with = match own.effect {
         effect if effect.is_lost_motion() => vec!["direction"],
-        effect if effect.grows_axis() => vec!["time", "position"],
+        effect if effect.grows_axis() => vec!["position", "time"],
         _ if own.is_of_time() => vec!["time"],
         _ => vec!["position"],
     };
