@@ -47,7 +47,7 @@ pub struct Cause {
     pub mean_lost_motion: Option<EstimatedParameter>,
     /// For a cause of several data: p-value of the test that its size is the same in all of them.
     pub sizes_p_value: Option<f64>,
-    /// For a cause of an error curve: its share of the curve's squares.
+    /// For a cause of an error curve: its squares as a share of those of the curve, both after the gauge.
     pub share_of_curve: Option<f64>,
     /// The misfit without it beside what it explains of the misfit; `None` where single readings do not show it.
     pub fitted: Option<Fitted>,

@@ -211,6 +211,8 @@ pub struct Unexplained {
     pub is_of_tests: bool,
     /// Description, with a period where there is one.
     pub note: String,
+    /// What to do about it, where that is not plain from what it varies with.
+    pub action: Option<&'static str>,
 }
 
 impl Unexplained {
@@ -229,6 +231,7 @@ impl Unexplained {
             varies_with,
             is_of_tests: false,
             note,
+            action: None,
         }
     }
 

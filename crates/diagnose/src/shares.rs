@@ -97,6 +97,15 @@ impl Shares {
             noise,
         }
     }
+
+    /// With at least this share unexplained, of what noise was thought to leave: where noise is what is left of all, it
+    /// contains what has no cause.
+    pub(crate) fn with_unexplained(mut self, share: f64) -> Self {
+        let more = (share - self.unexplained).min(self.noise).max(0.0);
+        self.unexplained += more;
+        self.noise -= more;
+        self
+    }
 }
 
 /// Share of the orders of `count` parts in which exactly a given set of `before` comes first: `s! (n - s - 1)!/n!`.

@@ -45,6 +45,7 @@ mod one_side;
 mod one_size;
 mod order;
 mod other_order;
+mod other_side;
 mod paused;
 mod pauses;
 mod prediction_error;

@@ -86,7 +86,9 @@ fn left(unexplained: &Unexplained, level: &LevelReport) -> Vec<String> {
             "see what differs from one repeat to the next (time to settle, clamping, cables, optics or targets that move) and repeat: a mean of \
              the repeats is only as certain as this scatter lets it be"
         }
-        false => to_do(&unexplained.varies_with),
+        false => unexplained
+            .action
+            .unwrap_or_else(|| to_do(&unexplained.varies_with)),
     };
     lines.extend(labelled("to do", to_do));
     lines

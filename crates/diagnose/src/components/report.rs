@@ -127,18 +127,13 @@ fn fitted(set: &CurveSet, effect: &[f64], scene: &Scene) -> Option<Fitted> {
     Some(fitted.of_angles(set.components[0].is_angular()))
 }
 
-/// Relative drop of the squares of the curves without the effect, and the rms of the effect, both after the gauge.
+/// The squares of the effect as a share of those of the curves, and its rms, both after the gauge. The drop of the squares
+/// without it would depend on how a wave lies to a slope.
 fn share_and_rms(set: &CurveSet, effect: &[f64]) -> (f64, f64) {
     let all = set.after_gauge(set.values.clone()).squares();
-    let pairs = set.values.iter().zip(effect);
-    let left = set.after_gauge(pairs.map(|(y, x)| y - x).collect());
-    let left = left.squares();
-    let share = if all > 0.0 {
-        (1.0 - left / all).max(0.0)
-    } else {
-        0.0
-    };
-    let own = set.after_gauge(effect.to_vec()).squares() / effect.len().max(1) as f64;
+    let own = set.after_gauge(effect.to_vec()).squares();
+    let share = (own / all.max(f64::MIN_POSITIVE)).min(1.0);
+    let own = own / effect.len().max(1) as f64;
     let um = if set.components[0].is_angular() {
         ARCSEC * LEVER_MM / MICROMETRE
     } else {

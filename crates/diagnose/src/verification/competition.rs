@@ -76,6 +76,9 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
     let Some((most, mut best)) = scored.next() else {
         return only(plain, Vec::new());
     };
+    if grows_too_much(plain, most) {
+        return only(plain, Vec::new());
+    }
     if best.wandering.is_empty() {
         let are_as_good = |model: &Model<'_>| {
             let are_others = !have_same(&model.causes, &best.causes);
@@ -87,6 +90,17 @@ pub(crate) fn compete<'a>(plain: &Problem<'a>) -> Model<'a> {
         best.as_good = as_good.chain(simple_instead(plain, &best, most)).collect();
     }
     best
+}
+
+/// Whether an axis that grows by more than axes do explains more than all that is possible, of this 2 ln B: then nothing
+/// possible is named.
+fn grows_too_much(plain: &Problem<'_>, most: f64) -> bool {
+    let beside = plain.listed.beside(&[]);
+    let best = beside.impossible.first();
+    best.is_some_and(|best| {
+        let effect = plain.listed.candidate(&beside, best).hypothesis.effect;
+        effect.grows_axis() && best.two_ln_b > most + DECISIVE
+    })
 }
 
 /// Sets of causes beside which something may wander.

@@ -17,10 +17,10 @@ use crate::verification::noise_floor::SHORT_PASS;
 use crate::verification::problem::Problem;
 
 /// Standard deviations from which on a reading is far off: the least gross error.
-const FAR: f64 = 8.0;
+pub(crate) const FAR: f64 = 8.0;
 
 /// Standard deviation of normal noise for a unit of its median size.
-const OF_MEDIAN: f64 = 1.4826;
+pub(crate) const OF_MEDIAN: f64 = 1.4826;
 
 /// How often the medians of positions and of passes are subtracted in turn.
 const SWEEPS: usize = 4;

@@ -12,6 +12,8 @@ pub(crate) enum Contradicts {
     OtherStops,
     /// The other reading at its position and side, which is left out, too.
     TheOther,
+    /// The reading of its position from the other side, as its neighbours do.
+    TheOtherSide,
     ItsStop,
 }
 
@@ -24,6 +26,9 @@ impl Contradicts {
             }
             Self::TheOther => {
                 "contradicts the other reading of its position: one of the two was written down wrongly, or read too early"
+            }
+            Self::TheOtherSide => {
+                "contradicts the other side of its position, which its neighbours confirm: written down wrongly, or read too early"
             }
             Self::ItsStop => {
                 "contradicts the other readings of its stop: written down wrongly, or a fault of the instrument"
@@ -39,6 +44,7 @@ impl Contradicts {
             Self::TheOther => {
                 "the other one of its position; nothing tells which is wrong, so both were left out: read it again"
             }
+            Self::TheOtherSide => "the other side of its position and was left out",
             Self::ItsStop => "the others of its stop and was left out",
         }
     }

@@ -10,6 +10,8 @@
 //! arrivals explain nearly as well. Of two readings at a position nothing shows which is wrong, and both go. More
 //! than a few go if each is alone and plainly wrong ([`far_off`]); otherwise a notice says that many are doubtful.
 
+use std::ops::Range;
+
 use trueaxis_campaign::Verification;
 use trueaxis_selection::Projection;
 
@@ -20,6 +22,7 @@ use crate::verification::comparison::Comparison;
 use crate::verification::doubted::{far_off, mistakes};
 use crate::verification::gross_error::{Contradicts, GrossError};
 use crate::verification::noise_floor::scatter;
+use crate::verification::other_side::against_other_side;
 use crate::verification::tested::{Outlier, Outliers};
 
 /// p-value of the arrival that stands out most, above which no others are sought behind it: of `k` gross errors of one size
@@ -54,7 +57,7 @@ pub(crate) fn gross_errors(
     comparison: &Comparison<'_>,
 ) -> Vec<GrossError> {
     let Some(model) = scatter(comparison) else {
-        return Vec::new();
+        return against_other_side(verification, comparison);
     };
     let count = comparison.arrivals.len();
     let most = most(ACCIDENTS, count);
@@ -113,13 +116,18 @@ pub(crate) fn gross_errors(
     outliers.sort_by_key(|(outlier, _)| outlier.arrival);
     outliers.dedup_by_key(|(outlier, _)| outlier.arrival);
     let said = outliers.into_iter().flat_map(|(outlier, contradicts)| {
-        let before = comparison.arrivals[..outlier.arrival].iter();
-        let first: usize = before.map(|arrival| arrival.readings).sum();
-        let readings = first..first + comparison.arrivals[outlier.arrival].readings;
         let error = (outlier.error_um, outlier.u_um);
-        readings.map(move |reading| GrossError::new(verification, reading, error, contradicts))
+        readings_of(comparison, outlier.arrival)
+            .map(move |reading| GrossError::new(verification, reading, error, contradicts))
     });
     said.collect()
+}
+
+/// The readings of an arrival.
+pub(crate) fn readings_of(comparison: &Comparison<'_>, arrival: usize) -> Range<usize> {
+    let before = comparison.arrivals[..arrival].iter();
+    let first: usize = before.map(|arrival| arrival.readings).sum();
+    first..first + comparison.arrivals[arrival].readings
 }
 
 /// What the arrivals are tested with.

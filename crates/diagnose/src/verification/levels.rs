@@ -44,6 +44,10 @@ const FIRST_JUMPS: f64 = 0.15;
 /// Most readings times values of the base model, so that the comparison takes seconds at most.
 const MOST_WORK: usize = 100_000;
 
+/// What has two levels stands in one of two places.
+const TO_DO: &str = "look for what stands in one of two places: a loose mount, joint or clamp, a reflector in its nest, a sensor \
+     that locks onto the next fringe or line";
+
 /// What is left of a problem that nothing else explains, if it jumps between two levels.
 pub(crate) fn levels(problem: &Problem<'_>) -> Option<Unexplained> {
     let comparison = problem.comparison;
@@ -71,8 +75,12 @@ pub(crate) fn levels(problem: &Problem<'_>) -> Option<Unexplained> {
         seen.jumps,
         seen.noise_um
     );
-    let left = Unexplained::new(Level::Verification, seen.half_um, vec!["time"], note);
-    Some(left)
+    let noise = base.rows() as f64 * seen.noise_um.powi(2) / base.squares();
+    Some(Unexplained {
+        share: (1.0 - noise).max(0.0),
+        action: Some(TO_DO),
+        ..Unexplained::new(Level::Verification, seen.half_um, vec!["time"], note)
+    })
 }
 
 /// Whether more than a few tables of noise alone look as much like two levels.

@@ -1,9 +1,9 @@
 //! One series of readings with its causes, and the disturbances beside them.
 
 use trueaxis_effects::Level;
-use trueaxis_selection::{Projection, add};
+use trueaxis_selection::{Fit, Projection, Score, add};
 
-use crate::engine::linear::Chosen;
+use crate::engine::linear::{Beside, Chosen};
 use crate::engine::{Coefficients, JudgedDisturbance, Omnibus, without};
 use crate::said::Entry;
 use crate::verification::another_curve::another_curve;
@@ -108,8 +108,12 @@ impl<'a> Series<'a> {
         };
         let unexplained = doubted(problem, &after)
             .or_else(|| another_curve(problem, &chosen, &after))
+            .or_else(|| {
+                is_plain
+                    .then(|| impossible(problem, &tests_after))
+                    .flatten()
+            })
             .or_else(of_tests)
-            .or_else(|| is_plain.then(|| impossible(problem)).flatten())
             .or_else(|| self.levels.clone().filter(|_| is_plain));
         let columns = chosen.iter().map(|cause| problem.listed.columns_of(cause));
         let smooth = wandering.iter().map(|w| w.columns(plain));
@@ -131,16 +135,21 @@ impl<'a> Series<'a> {
             rms_um: problem.seen_rms_um(causes),
             heldout_rms_um: held.rms().map(|rms| rms * problem.whitening.sigma_um),
         };
+        let given = unexplained.as_ref().map_or(0.0, |left| left.share);
+        let shares = Shares::of_parts(before, columns, smooth, unexplained.is_some());
+        let before = misfit(plain, &[], &held_before);
+        // What is left of all as noise contains what has no cause.
+        let without_um = before.rms_um * (1.0 - given).sqrt();
         Entry {
             report: LevelReport {
                 level: Level::Verification,
                 data: plain.comparison.name.to_owned(),
-                noise_floor_um: self.noise_floor_um,
+                noise_floor_um: self.noise_floor_um.min(without_um),
                 prediction_u_um: plain.prediction_u_um,
-                before: misfit(plain, &[], &held_before),
+                before,
                 after: misfit(problem, &chosen, &held_after),
                 gain,
-                shares: Shares::of_parts(before, columns, smooth, unexplained.is_some()),
+                shares: shares.with_unexplained(given),
                 unexplained,
                 tests: Omnibus::tests(tests),
                 tests_after: Omnibus::tests(tests_after),
@@ -152,18 +161,27 @@ impl<'a> Series<'a> {
     }
 }
 
-/// What looks like a cause, but of a size that no machine has: few readings may leave no other test room.
-fn impossible(problem: &Problem<'_>) -> Option<Unexplained> {
+/// What looks like a cause, but of a size that no machine has: few readings may leave no other test room. If a test
+/// finds anything, that which explains most of it is told.
+fn impossible(problem: &Problem<'_>, tests: &[Omnibus]) -> Option<Unexplained> {
     let beside = problem.listed.beside(&[]);
     let best = beside.impossible.first()?;
-    let own = &problem.listed.candidate(&beside, best).hypothesis;
+    let candidate = problem.listed.candidate(&beside, best);
+    let own = &candidate.hypothesis;
     let varies_with = match own.effect {
         effect if effect.is_lost_motion() => vec!["direction"],
-        effect if effect.grows_axis() => vec!["time", "position"],
+        effect if effect.grows_axis() => vec!["position", "time"],
         _ if own.is_of_time() => vec!["time"],
         _ => vec!["position"],
     };
-    let is_clear = beside.is_significant(best, problem.level);
+    let possible = beside.scores.first();
+    let is_best = possible.is_none_or(|possible| possible.two_ln_b < best.two_ln_b);
+    let is_left = tests.iter().any(|t| t.test.p_value < problem.level);
+    let share = share_of(&beside, best);
+    let is_clear = match is_left {
+        true => is_best && share > 0.5,
+        false => beside.is_significant(best, problem.level),
+    };
     is_clear.then(|| {
         let note = format!(
             "it varies with {} as {} does, but by more than on any machine",
@@ -171,8 +189,29 @@ fn impossible(problem: &Problem<'_>) -> Option<Unexplained> {
             own.effect.id.replace('_', " ")
         );
         let rms_um = problem.slow_rms_um(best.statistic);
-        Unexplained::new(Level::Verification, rms_um, varies_with, note)
+        let left = Unexplained::new(Level::Verification, rms_um, varies_with, note);
+        if !own.effect.grows_axis() {
+            return left;
+        }
+        let fit = Fit::new(&beside.model, &candidate.columns(best.shape));
+        let size = fit.estimates.first().map_or(0.0, |size| size.abs());
+        Unexplained {
+            note: format!("{}: by some {size:.0} ppm", left.note),
+            share,
+            action: Some(MOVES_APART),
+            ..left
+        }
     })
+}
+
+/// What changes a length by more than an axis grows.
+const MOVES_APART: &str = "look for parts that move apart: a stop, clamp, coupling or scale that slips or works loose; and for the scale of the \
+     instrument (wavelength, gain, another unit)";
+
+/// Share of the misfit that a hypothesis explains, without that of noise.
+fn share_of(beside: &Beside, score: &Score) -> f64 {
+    let noise = score.rank as f64 * beside.model.squares() / beside.model.degrees_of_freedom;
+    (score.statistic - noise).max(0.0) / beside.model.squares()
 }
 
 /// With the cause that explains most of it, where none is clear enough to name.
@@ -182,13 +221,11 @@ fn with_closest(problem: &Problem<'_>, left: Unexplained) -> Unexplained {
         return left;
     };
     let effect = problem.listed.candidate(&beside, closest).hypothesis.effect;
-    let noise = closest.rank as f64 * beside.model.squares() / beside.model.degrees_of_freedom;
-    let squares = (closest.statistic - noise).max(0.0) / beside.model.squares();
     let note = format!(
         "{}; {} comes closest and explains {:.0} % of the misfit, which is not enough to name it",
         left.note,
         effect.id.replace('_', " "),
-        100.0 * squares
+        100.0 * share_of(&beside, closest)
     );
     Unexplained { note, ..left }
 }

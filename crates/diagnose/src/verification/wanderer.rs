@@ -21,6 +21,7 @@ use crate::verification::arrivals::Arrival;
 use crate::verification::base::{count, cycles, places, runs_of_cycles};
 use crate::verification::comparison::Comparison;
 use crate::verification::hypotheses::comes_from_both_sides;
+use crate::verification::lost_motion::reached_from_both_sides;
 
 /// Most half waves of each coordinate: five times those of the shortest correlation length. What is cut off would be
 /// taken for the course of something else.
@@ -73,7 +74,9 @@ pub(crate) fn wanderers(comparison: &Comparison<'_>, calibrated: bool) -> Vec<Wa
     // A turn has 360 degrees at any temperature.
     all.extend((moves && !is_rotary).then_some(own(Campaign)));
     all.extend((moves && calibrated).then_some(own(Position)));
-    if moves && comes_from_both_sides(comparison, axis) {
+    // Without a calibration the sides are compared where both were read.
+    let compares = calibrated || !reached_from_both_sides(comparison).is_empty();
+    if moves && compares && comes_from_both_sides(comparison, axis) {
         all.extend(is_rotary.then_some(own(Sides)));
         all.push(own(SidesInTime));
     }

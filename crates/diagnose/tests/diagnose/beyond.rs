@@ -142,3 +142,27 @@ fn few_readings_of_one_position_raise_few_alarms() {
     let alarms = alarms.count();
     assert!(alarms <= 8, "{alarms}");
 }
+
+/// A scale that grows by 1500 ppm in five cycles, of a whole line or of its two ends alone, each from its own side: more than an axis
+/// grows. The zero of the instrument does not wander, no lost motion changes, and the growth is most of the misfit.
+#[test]
+fn what_grows_too_much_has_no_other_name() {
+    for seed in 0..10 {
+        let mut random = generator(seed, 58);
+        let ends_only = seed % 2 == 1;
+        let mut table = table_of_stops(5, STOPS, &mut |row, _, stop| {
+            let cycles = row as f64 / (2 * STOPS) as f64;
+            1.5 * 50.0 * stop as f64 * cycles / 5.0 + 2.0 * normal(&mut random)
+        });
+        let is_end = |x: f64, side: f64| if side > 0.0 { x > 399.0 } else { x < 1.0 };
+        table
+            .readings
+            .retain(|own| !ends_only || is_end(own.positions[0], f64::from(own.direction.sign())));
+        let found = found(table);
+        assert_eq!(found.verdict, Verdict::Unknown, "{seed}");
+        assert!(found.disturbances.is_empty(), "{seed}");
+        let left = found.unexplained.expect("what is left");
+        assert!(left.note.contains("ppm"), "{seed}: {}", left.note);
+        assert!(left.share > 0.5, "{seed}: {}", left.share);
+    }
+}

@@ -32,6 +32,7 @@ mod made_points;
 mod many_gross_errors;
 mod many_positions;
 mod odd;
+mod one_cycle;
 mod orders;
 mod pass_offsets;
 mod paused;

@@ -273,3 +273,22 @@ fn lost_motion_is_no_swing_with_the_period_of_the_cycle() {
         );
     }
 }
+
+/// The share of a wave in its curve does not depend on how it lies to a slope.
+#[test]
+fn a_wave_has_one_share_at_any_phase() {
+    for quarter in 0..4 {
+        let mut random = generator(quarter, 64);
+        let phase = 0.25 * TAU * quarter as f64;
+        let form = |_, x: f64| 0.1 * x + 3.0 * (TAU * x / 50.0 + phase).sin();
+        let found = diagnose(
+            &campaign(vec![line(&mut random, form)]),
+            &Settings::default(),
+        );
+        let found = found.unwrap();
+        let mut waves = found.causes.iter();
+        let wave = waves.find(|own| own.effect.effect.id == "cyclic_error");
+        let share = wave.and_then(|own| own.share_of_curve).unwrap();
+        assert!((share - 0.033).abs() < 0.004, "{quarter}: {share}");
+    }
+}
