@@ -118,7 +118,8 @@ fn beats<D: Wanders>(
     Ok(first.is_none_or(|of_first| of_first <= of_causes))
 }
 
-/// Adds to causes the disturbances that may have been there instead: those with a larger 2 ln B.
+/// Adds to causes the disturbances that may have been there instead: those with a larger 2 ln B, and those of which the
+/// cause may be a part.
 pub(crate) fn add_rival_disturbances<D: Wanders>(competed: &mut Competed<D>) -> Result<(), Error> {
     let (base, search) = (&competed.base, &mut competed.search);
     let beside = Beside::new(base, &[]);
@@ -130,6 +131,12 @@ pub(crate) fn add_rival_disturbances<D: Wanders>(competed: &mut Competed<D>) -> 
         let without = base.adjust_near(&search.adjusted, suspects)?;
         let instead = instead_of_cause(&beside, &without, &others, found.two_ln_b);
         found.wandering.extend(instead);
+        let of_stage = known
+            .iter()
+            .filter(|own| own.wanderer().turns_beside(&found.suspect.hypothesis));
+        found
+            .wandering
+            .extend(of_stage.map(|own| (own.wanderer(), own.two_ln_b)));
     }
     Ok(())
 }

@@ -206,6 +206,14 @@ impl Wanderer {
         is_of_sides && cause.effect == BACKLASH && cause.subject == self.subject()
     }
 
+    /// Whether a cause is lost motion of an axis that also turns by side: about another line than is assumed, the turn is some of
+    /// the lost motion.
+    pub(crate) fn turns_beside(self, cause: &Hypothesis) -> bool {
+        self.with == With::StageBySides
+            && cause.effect == BACKLASH
+            && cause.subject == self.subject()
+    }
+
     /// The coordinates that move.
     pub(crate) fn coordinates(self, scene: &Scene) -> Vec<Coordinate> {
         let moved: &[(&str, usize)] = match (self.who, self.with) {
