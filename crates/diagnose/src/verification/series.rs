@@ -138,13 +138,16 @@ impl<'a> Series<'a> {
         let given = unexplained.as_ref().map_or(0.0, |left| left.share);
         let shares = Shares::of_parts(before, columns, smooth, unexplained.is_some());
         let before = misfit(plain, &[], &held_before);
-        // What is left of all as noise contains what has no cause.
-        let without_um = before.rms_um * (1.0 - given).sqrt();
+        // What repeats scatter by contains what has a share of its own.
+        let noise_floor_um = match given > 0.0 {
+            true => (before.rms_um * (1.0 - given).sqrt()).min(self.noise_floor_um),
+            false => self.noise_floor_um,
+        };
         Entry {
             report: LevelReport {
                 level: Level::Verification,
                 data: plain.comparison.name.to_owned(),
-                noise_floor_um: self.noise_floor_um.min(without_um),
+                noise_floor_um,
                 prediction_u_um: plain.prediction_u_um,
                 before,
                 after: misfit(problem, &chosen, &held_after),
