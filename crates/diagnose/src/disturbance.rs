@@ -60,10 +60,10 @@ pub struct CurvePoint {
     pub at: f64,
     /// Position of the axis whose geometry it is, mm or deg; `None` for anything else.
     pub position: Option<f64>,
-    /// Deviation of each coordinate from its mean over a turn or range, µm: x, y, z; for a station its dead path, for
+    /// Deviation of each coordinate from its mean over a turn or range (what goes with the side of approach: positive less
+    /// negative side), µm: x, y, z; for a station its dead path, for
     /// the frame of the instrument its rotations as rms displacement of the points, too. For the geometry of an axis
-    /// x, y, z of what carries it and the rotations of its stage as rms displacement of its targets; for what differs by
-    /// side of approach these of the positive side less those of the negative one.
+    /// x, y, z of what carries it and the rotations of its stage as rms displacement of its targets.
     pub value_um: Vec<f64>,
     /// Their standard uncertainties, µm.
     pub u_um: Vec<f64>,

@@ -159,8 +159,8 @@ const COST_ROUNDING: f64 = 1e-10;
 /// Corrections of which each is more than this part of the one before say nothing of those that follow.
 const MOST_RATE: f64 = 0.1;
 
-/// A correction that is more than this part of the one before comes from rounding, where both are short: exact lengths
-/// leave a standard uncertainty of which rounded distances show no millionth.
+/// Short corrections of which each of three is more than this part of the one before mostly come from rounding: exact
+/// lengths leave a standard uncertainty of which rounded distances show no millionth.
 const STANDING: f64 = 0.3;
 
 /// Corrections are short up to this length, in units of standard uncertainty.
@@ -183,7 +183,7 @@ pub fn adjust<M: Adjustment>(model: &M, start: &M::State) -> Result<Adjusted<M::
     let mut iterations = 0;
     // Lengths of the corrections since a step was shortened.
     let mut whole_steps: Vec<f64> = Vec::new();
-    let mut previous = f64::INFINITY;
+    let (mut previous, mut standing) = (f64::INFINITY, 0);
     let mut system = model.reduce(&state, &mut linearised)?;
     loop {
         let motions = model.free_motions(&state);
@@ -196,10 +196,11 @@ pub fn adjust<M: Adjustment>(model: &M, start: &M::State) -> Result<Adjusted<M::
         let mut squares = system.squares;
         iterations += 1;
 
-        let stands = previous <= SHORT && correction > STANDING * previous;
+        let is_standing = previous <= SHORT && correction > STANDING * previous;
+        standing = if is_standing { standing + 1 } else { 0 };
         previous = correction;
         let from = (&state, &mut linearised);
-        let (left, tolerance) = match stands {
+        let (left, tolerance) = match standing > 1 {
             true => (correction, SHORT),
             false => (rate * correction, CORRECTION_TOL),
         };

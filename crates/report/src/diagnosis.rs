@@ -179,7 +179,7 @@ impl Disturbance {
                 format!("disturbance of the lost motion of axis {axis}")
             }
             (_, Some(axis)) if with == "direction" => {
-                format!("disturbance of how axis {axis} stands from either side")
+                format!("disturbance of straightness and angles of axis {axis}")
             }
             _ if self.is_of_frame() => "disturbance of the frame of the instrument".to_owned(),
             _ if self.subject.values().any(Value::is_string) => {

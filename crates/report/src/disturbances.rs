@@ -49,6 +49,7 @@ const OF_SCALE: [&str; 2] = ["middle of the line", "length of the line"];
 fn coordinates(of: &Disturbance) -> &'static [&'static str] {
     match of.varies_with.as_slice() {
         [with] if with == "time" && of.axis().is_some() => &OF_SCALE,
+        [with] if with == "direction" => &OF_FRAME,
         [time, position] if time == "time" && position == "position" => &OF_FRAME,
         _ if of.is_of_frame() => &OF_FRAME,
         _ => &COORDINATES,

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use trueaxis_campaign::Campaign;
-use trueaxis_diagnose::{Diagnosis, Settings, Verdict, diagnose};
+use trueaxis_diagnose::{CurvePoint, Diagnosis, Settings, Verdict, diagnose};
 use trueaxis_kinematics::{ARCSEC, MICROMETRE};
 use trueaxis_tests::blind::{self, Kind};
 use trueaxis_tests::in_parallel;
@@ -74,6 +74,16 @@ fn what_differs_by_side_is_told_of_its_axis() {
         let is_told = wanders
             .any(|own| own.varies_with == ["direction"] && own.subject.axis == Some(by.axis));
         let right = found.verdict == Verdict::Unknown && found.causes.is_empty() && is_told;
+        // Of the displacements the curve shows all, positive less negative side.
+        let shown = found.disturbances.iter().flat_map(|own| &own.curve);
+        let is_off = |(k, point): (usize, &CurvePoint)| {
+            turn_arcsec.iter().all(|turn| turn.abs() < 1e-9)
+                && (point.value_um[k] - 2.0 * shift_um[k]).abs() > 4.0 * point.u_um[k] + 1e-9
+        };
+        let off = shown
+            .flat_map(|point| (0..3).map(move |k| (k, point)))
+            .filter(|own| is_off(*own));
+        let right = right && off.count() == 0;
         let said: Vec<String> = found
             .disturbances
             .iter()
@@ -85,4 +95,14 @@ fn what_differs_by_side_is_told_of_its_axis() {
     .flatten()
     .collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn sides_that_agree_are_clean() {
+    let by = BySide {
+        axis: 0,
+        shift_um: [0.0; 3],
+        turn_arcsec: [0.0; 3],
+    };
+    assert_eq!(diagnosed(by, 1).verdict, Verdict::Clean);
 }

@@ -48,3 +48,17 @@ pub(crate) fn golden_section(
     }
     0.5 * (low + high)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_top_is_found_between_its_neighbours() {
+        let ends = neighbours(&[7.0, 5.0, 3.0, 1.0], 3.0);
+        assert_eq!(ends, [Some(1.0), Some(5.0)]);
+        assert_eq!(neighbours(&[7.0, 5.0], 7.0), [Some(5.0), None]);
+        let top = golden_section([1.0, 5.0], |a, b| b - a < 1e-6, |x| -(x - 3.7).powi(2));
+        assert!((top - 3.7).abs() < 1e-6, "{top}");
+    }
+}

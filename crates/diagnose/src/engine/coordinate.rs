@@ -15,6 +15,8 @@ pub(crate) enum Coordinate {
     /// such a direction and the centroid of its targets, by an arc second or a comparable displacement, as a function
     /// of the position of the axis, whether it runs or is parked.
     Geometry(Motion, Law),
+    /// Nothing: what an effect in the catalogue moves.
+    Held,
 }
 
 impl Coordinate {
@@ -22,7 +24,7 @@ impl Coordinate {
     pub(crate) fn without_law(self) -> Self {
         match self {
             Self::Geometry(motion, _) => Self::Geometry(motion, Law::Constant),
-            effect @ Self::Effect(..) => effect,
+            other => other,
         }
     }
 
@@ -84,21 +86,22 @@ pub(crate) fn scale() -> Vec<Coordinate> {
         .into()
 }
 
-/// What an axis carries stands otherwise, by any motion but that along a linear axis or about a rotary one: this is lost
-/// motion.
+/// What an axis carries stands otherwise: displaced, then turned, about each direction. Along a linear axis or about a rotary
+/// one this is lost motion.
 pub(crate) fn stage(axis: &Axis) -> Vec<Coordinate> {
-    let along = axis.direction().iamax();
     let is_lost = |motion: &Motion| match (motion, axis.kind()) {
         (Motion::Displaced(k), AxisKind::Linear) | (Motion::Turned(k), AxisKind::Rotary) => {
-            *k == along
+            *k == axis.principal()
         }
         _ => false,
     };
-    let motions = (0..3).flat_map(|k| [Motion::Displaced(k), Motion::Turned(k)]);
-    motions
-        .filter(|motion| !is_lost(motion))
-        .map(|motion| Coordinate::Geometry(motion, Law::Constant))
-        .collect()
+    let displaced = (0..3).map(Motion::Displaced);
+    let all = displaced.chain((0..3).map(Motion::Turned));
+    let coordinate = |motion| match is_lost(&motion) {
+        true => Coordinate::Held,
+        false => Coordinate::Geometry(motion, Law::Constant),
+    };
+    all.map(coordinate).collect()
 }
 
 /// The geometry of an axis changes: squareness, straightness, bow and tilts. A displacement at home belongs to the
@@ -156,6 +159,7 @@ pub(crate) fn moved(
     let carried = subject.axis.filter(|&axis| at.is_carried_by(axis));
     let stage = carried.map(|axis| Stage::new(axis, at));
     let moved = coordinates.iter().map(|coordinate| match coordinate {
+        Coordinate::Held => Displaced::default(),
         Coordinate::Effect(effect, k) => effect.form(subject, *k, f64::NEG_INFINITY, at),
         Coordinate::Geometry(motion, law) => {
             let moved = stage.as_ref().map(|stage| stage.moved(*motion, *law));

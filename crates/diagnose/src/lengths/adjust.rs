@@ -29,21 +29,28 @@ impl Base<'_> {
         noise: Option<Noise>,
     ) -> Result<Adjusted, Error> {
         match self.iterated(near, suspects.clone(), noise) {
-            Err(Error::Adjustment(_)) if !suspects.is_empty() => {
-                self.first_step(suspects, noise.unwrap_or(self.network.noise))
-            }
+            Err(Error::Adjustment(_)) if !suspects.is_empty() => self.first_step(suspects, noise),
             found => found,
         }
     }
 
-    fn first_step(&self, mut suspects: Vec<Suspect>, noise: Noise) -> Result<Adjusted, Error> {
+    fn first_step(
+        &self,
+        mut suspects: Vec<Suspect>,
+        noise: Option<Noise>,
+    ) -> Result<Adjusted, Error> {
+        let without = self.iterated(None, Vec::new(), noise)?;
+        let noise = without.network.noise;
         for suspect in &mut suspects {
             suspect.parameters.fill(0.0);
         }
-        let mut adjusted = self.adjust_given(suspects, noise)?;
-        let columns = self.columns_of_suspects(&adjusted);
-        let fit = Fit::new(&adjusted.projection, &columns);
-        adjusted.update(&fit);
+        let mut zero = self.adjust_given(suspects, noise)?;
+        let columns = self.columns_of_suspects(&zero);
+        let fit = Fit::new(&zero.projection, &columns);
+        zero.update(&fit);
+        // Where even this step leads too far, the lengths stay as they are.
+        let stepped = self.adjust_given(zero.suspects.clone(), noise);
+        let mut adjusted = stepped.unwrap_or(zero);
         adjusted.projection = adjusted.projection.extended(&columns);
         Ok(adjusted)
     }

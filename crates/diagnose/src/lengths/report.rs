@@ -105,8 +105,9 @@ fn notices(base: &Base<'_>) -> Vec<String> {
     if !base.left_out.is_empty() {
         let lines: Vec<String> = base.left_out.iter().map(|l| l.line.to_string()).collect();
         notices.push(format!(
-            "left out because all others contradict them: {}, line {}",
+            "left out because all others contradict them: {}, {} {}",
             counted(lines.len(), "length"),
+            if lines.len() == 1 { "line" } else { "lines" },
             lines.join(", ")
         ));
     }

@@ -143,8 +143,9 @@ fn notices(screened: &Screened<'_>) -> Vec<String> {
         let points = gross.iter().flat_map(Gross::rejected);
         let lines: Vec<String> = points.map(|point| point.row.to_string()).collect();
         notices.push(format!(
-            "points.csv: left out because all others contradict them: {}, line {}",
+            "points.csv: left out because all others contradict them: {}, {} {}",
             counted(lines.len(), "point"),
+            if lines.len() == 1 { "line" } else { "lines" },
             lines.join(", ")
         ));
     }

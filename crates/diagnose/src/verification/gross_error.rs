@@ -10,7 +10,7 @@ pub(crate) enum Contradicts {
     All,
     /// All other stops, as do the other readings of its own stop.
     OtherStops,
-    /// The other reading at its position and side, which is left out, too.
+    /// The other reading at its position (and side, where sides were repeated), which is left out, too.
     TheOther,
     /// The reading of its position from the other side, as its neighbours do.
     TheOtherSide,

@@ -56,9 +56,14 @@ pub(crate) fn against_other_side(
         return Vec::new();
     }
     let of_mean = noise_um(&half_sum).max(digit_um);
-    let mut left_out: Vec<(usize, f64, Contradicts)> = Vec::new();
+    let mut left_out: Vec<(usize, [f64; 2], Contradicts)> = Vec::new();
     for k in far {
-        let error_um = bend(&difference, k).unwrap_or_else(|| off(&difference, k));
+        // Less the mean of two neighbours, or at an end less one.
+        let (error_um, of_variance) = match bend(&difference, k) {
+            Some(bend) => (bend, 1.5),
+            None => (off(&difference, k), 2.0),
+        };
+        let u_um = u_um * f64::sqrt(of_variance);
         // Where the curve is rough, the mean tells nothing.
         let is_smooth = 2.0 * FAR * of_mean < error_um.abs();
         let moved = bend(&half_sum, k).filter(|_| is_smooth);
@@ -73,17 +78,19 @@ pub(crate) fn against_other_side(
             false => Contradicts::TheOther,
         };
         if is_forward || !is_told {
-            left_out.push((forward, error_um, contradicts));
+            left_out.push((forward, [error_um, u_um], contradicts));
         }
         if !is_forward || !is_told {
-            left_out.push((backward, -error_um, contradicts));
+            left_out.push((backward, [-error_um, u_um], contradicts));
         }
     }
     left_out.sort_by_key(|(arrival, ..)| *arrival);
-    let readings = left_out.into_iter().flat_map(|(arrival, error_um, why)| {
-        let own = readings_of(comparison, arrival);
-        own.map(move |reading| GrossError::new(verification, reading, (error_um, u_um), why))
-    });
+    let readings = left_out
+        .into_iter()
+        .flat_map(|(arrival, [error_um, u_um], why)| {
+            let own = readings_of(comparison, arrival);
+            own.map(move |reading| GrossError::new(verification, reading, (error_um, u_um), why))
+        });
     readings.collect()
 }
 

@@ -213,8 +213,10 @@ const MOVES_APART: &str = "look for parts that move apart: a stop, clamp, coupli
 
 /// Share of the misfit that a hypothesis explains, without that of noise.
 fn share_of(beside: &Beside, score: &Score) -> f64 {
-    let noise = score.rank as f64 * beside.model.squares() / beside.model.degrees_of_freedom;
-    (score.statistic - noise).max(0.0) / beside.model.squares()
+    let (squares, rank) = (beside.model.squares(), score.rank as f64);
+    let free = (beside.model.degrees_of_freedom - rank).max(1.0);
+    let noise = rank * (squares - score.statistic).max(0.0) / free;
+    (score.statistic - noise).max(0.0) / squares
 }
 
 /// With the cause that explains most of it, where none is clear enough to name.
