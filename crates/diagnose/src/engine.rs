@@ -64,6 +64,7 @@ pub(crate) mod coordinate;
 mod culprit;
 pub(crate) mod disturbance;
 mod estimated;
+pub(crate) mod form;
 mod forward;
 mod held_out;
 mod hypotheses;
@@ -81,7 +82,9 @@ mod wandered;
 mod wandering;
 mod wanders;
 
-pub(crate) use accidents::{ACCIDENT_LEVEL, ACCIDENTS, LEAST_OTHERS, Tested, first_lines, most};
+pub(crate) use accidents::{
+    ACCIDENT_LEVEL, ACCIDENTS, LEAST_OTHERS, Tested, first_lines, left_out_in_words, most,
+};
 pub(crate) use between::golden_section;
 pub(crate) use competition::{
     Candidates, Competed, PART, add_rival_disturbances, compete, only_wandering, price, revised,

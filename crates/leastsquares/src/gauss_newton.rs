@@ -183,7 +183,7 @@ pub fn adjust<M: Adjustment>(model: &M, start: &M::State) -> Result<Adjusted<M::
     let mut iterations = 0;
     // Lengths of the corrections since a step was shortened.
     let mut whole_steps: Vec<f64> = Vec::new();
-    let (mut previous, mut standing) = (f64::INFINITY, 0);
+    let mut corrections: Vec<f64> = Vec::new();
     let mut system = model.reduce(&state, &mut linearised)?;
     loop {
         let motions = model.free_motions(&state);
@@ -196,11 +196,13 @@ pub fn adjust<M: Adjustment>(model: &M, start: &M::State) -> Result<Adjusted<M::
         let mut squares = system.squares;
         iterations += 1;
 
-        let is_standing = previous <= SHORT && correction > STANDING * previous;
-        standing = if is_standing { standing + 1 } else { 0 };
-        previous = correction;
+        let stands = match corrections[..] {
+            [.., a, b] => a.max(b) <= SHORT && b > STANDING * a && correction > STANDING * b,
+            _ => false,
+        };
+        corrections.push(correction);
         let from = (&state, &mut linearised);
-        let (left, tolerance) = match standing > 1 {
+        let (left, tolerance) = match stands {
             true => (correction, SHORT),
             false => (rate * correction, CORRECTION_TOL),
         };

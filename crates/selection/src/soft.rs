@@ -29,7 +29,7 @@ impl Projection {
         let taken_of = self.taken_of_all(columns.iter().map(Vec::as_slice));
         let before: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
         let gram = Gram::new(&gram_matrix_of(columns, (&taken_of, 0)), &before);
-        let s: Vec<f64> = columns.iter().map(|c| dot(c, &self.residuals)).collect();
+        let s = self.along(columns);
         // The combinations that are kept; `scaled` are their scaled eigenvectors, row after row of X.
         let kept = || {
             let all = gram.combinations(&s);

@@ -7,6 +7,7 @@
 //! d = sᵀ G⁻¹ s      s = Xᵀ e      G = Xᵀ M X      F = (d/k)/((S - d)/(ν - k))
 //! ```
 
+use trueaxis_files::counted;
 use trueaxis_selection::{Gram, ln_f_test};
 
 use crate::numbers::whole;
@@ -68,4 +69,15 @@ pub(crate) fn first_lines(lines: impl ExactSizeIterator<Item = usize>) -> String
     };
     let named: Vec<String> = lines.take(NAMED).map(|line| line.to_string()).collect();
     format!("lines {}{more}", named.join(", "))
+}
+
+/// The notice that lengths or points were left out, with their lines in the file.
+pub(crate) fn left_out_in_words(noun: &str, lines: impl Iterator<Item = usize>) -> String {
+    let lines: Vec<String> = lines.map(|line| line.to_string()).collect();
+    format!(
+        "left out because all others contradict them: {}, {} {}",
+        counted(lines.len(), noun),
+        if lines.len() == 1 { "line" } else { "lines" },
+        lines.join(", ")
+    )
 }

@@ -4,7 +4,7 @@ use nalgebra::{Rotation3, Vector3};
 use trueaxis_effects::{Circumstances, Displaced, Effect, Subject, effect};
 use trueaxis_kinematics::{ARCSEC, Axis, AxisKind, Ideal, MICROMETRE};
 
-use crate::engine::disturbance::Form;
+use crate::engine::form::Form;
 
 /// One of the quantities that vary, each with a course of its own.
 #[derive(Debug, Clone, Copy)]

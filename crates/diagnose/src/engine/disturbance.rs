@@ -24,6 +24,7 @@ use trueaxis_selection::Hypothesis;
 
 use crate::engine::basis::Basis;
 use crate::engine::coordinate::{Coordinate, geometry, parameters, scale, stage};
+use crate::engine::form::Form;
 use crate::engine::smooth::correlation_lengths;
 use crate::numbers::distinct;
 
@@ -75,55 +76,6 @@ pub(crate) struct Disturbance {
     pub(crate) form: Form,
     /// w, in the unit of what moves (µm, ppm, arcsec).
     pub(crate) width: f64,
-}
-
-/// The form of a course: the prior of its coefficients, without its width.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Form {
-    /// ℓ, as a share of the range of the argument.
-    pub(crate) length: f64,
-    /// T of a swing, as an air conditioning makes: after a quarter of it, ℓ, nothing is alike.
-    pub(crate) period: Option<f64>,
-    /// Where it goes on in pauses of unknown duration.
-    pub(crate) pauses: Pauses,
-    /// Ratio of the prior widths of displacements and rotations of a stage; 1 for everything else.
-    pub(crate) displaced: f64,
-    /// The same of rotations that a stage makes at home, too; 1 for everything else.
-    pub(crate) turned_at_home: f64,
-    /// The same of what a rotary axis does twice a turn.
-    pub(crate) twice_a_turn: f64,
-}
-
-impl Form {
-    /// A smooth course of this correlation length.
-    pub(crate) fn smooth(length: f64) -> Self {
-        Self {
-            length,
-            period: None,
-            pauses: Pauses::Nowhere,
-            displaced: 1.0,
-            turned_at_home: 1.0,
-            twice_a_turn: 1.0,
-        }
-    }
-
-    /// `a sin 2πx/T + b cos 2πx/T`. As a smooth process it would pay for every other course as quick as it, and what
-    /// repeats in nearly the time of a cycle would look simpler as an error of the axis.
-    pub(crate) fn swing(period: f64) -> Self {
-        Self {
-            period: Some(period),
-            ..Self::smooth(0.25 * period)
-        }
-    }
-}
-
-/// Where a course goes on without readings.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Pauses {
-    Nowhere,
-    /// Between two cycles, or where an instrument was set to zero for the next one; the axis turned without a pause.
-    BetweenCycles,
-    BetweenPasses,
 }
 
 /// All three for an axis that mostly tilts, one that is also out of square, and one that hardly tilts. It may tilt at home or not:
@@ -202,16 +154,17 @@ impl Wanderer {
 
     /// Whether a cause is the mean that its course does not have: the lost motion that changes.
     pub(crate) fn changes(self, cause: &Hypothesis) -> bool {
-        let is_of_sides = matches!(self.with, With::Sides | With::SidesInTime);
-        is_of_sides && cause.effect == BACKLASH && cause.subject == self.subject()
+        matches!(self.with, With::Sides | With::SidesInTime) && self.has_lost_motion(cause)
     }
 
-    /// Whether a cause is lost motion of an axis that also turns by side: about another line than is assumed, the turn is some of
-    /// the lost motion.
+    /// Whether a cause is lost motion of an axis that also stands otherwise by side: turned about another line than is
+    /// assumed, it loses some motion.
     pub(crate) fn turns_beside(self, cause: &Hypothesis) -> bool {
-        self.with == With::StageBySides
-            && cause.effect == BACKLASH
-            && cause.subject == self.subject()
+        self.with == With::StageBySides && self.has_lost_motion(cause)
+    }
+
+    fn has_lost_motion(self, cause: &Hypothesis) -> bool {
+        cause.effect == BACKLASH && cause.subject == self.subject()
     }
 
     /// The coordinates that move.

@@ -50,9 +50,7 @@ impl Base<'_> {
         zero.update(&fit);
         // Where even this step leads too far, the lengths stay as they are.
         let stepped = self.adjust_given(zero.suspects.clone(), noise);
-        let mut adjusted = stepped.unwrap_or(zero);
-        adjusted.projection = adjusted.projection.extended(&columns);
-        Ok(adjusted)
+        Ok(self.beside_suspects(stepped.unwrap_or(zero)))
     }
 
     fn iterated(
@@ -110,10 +108,15 @@ impl Base<'_> {
             } = adjusted;
         }
         // The parameters still move: the last linear step is the best available.
-        let mut adjusted = self.adjust_given(suspects, network.noise)?;
+        let adjusted = self.adjust_given(suspects, network.noise)?;
+        Ok(self.beside_suspects(adjusted))
+    }
+
+    /// With what the causes absorb, too.
+    fn beside_suspects(&self, mut adjusted: Adjusted) -> Adjusted {
         let columns = self.columns_of_suspects(&adjusted);
         adjusted.projection = adjusted.projection.extended(&columns);
-        Ok(adjusted)
+        adjusted
     }
 
     fn columns_of_suspects(&self, adjusted: &Adjusted) -> Vec<Vec<f64>> {

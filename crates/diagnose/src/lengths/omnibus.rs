@@ -8,7 +8,7 @@
 //! | `direction` | the side of approach as each target shows it; how each axis moves and turns otherwise from one side than from the other, all along and times a half wave of its position |
 
 use rayon::prelude::*;
-use trueaxis_poses::LengthCircumstances as Reading;
+use trueaxis_poses::{LengthCircumstances as Reading, Observation};
 
 use crate::engine::{Family, Omnibus, waves_of};
 use crate::lengths::adjusted::Adjusted;
@@ -47,7 +47,8 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
     if sides.any(|side| Some(side) != first) {
         let of_axis = places(&|r| (r.axis, travelled(base, r)));
         let by_axis = waves_of(of_axis, true, OF_DIRECTION);
-        let moved: Vec<[f64; 6]> = base.readings.iter().map(|r| moved(adjusted, r)).collect();
+        let observations = base.observations(&adjusted.solution);
+        let moved: Vec<[f64; 6]> = observations.iter().map(moved).collect();
         let moving = by_axis.iter().flat_map(|column| {
             let of_component = |k: usize| column.iter().zip(&moved).map(move |(x, by)| x * by[k]);
             (0..6).map(move |k| of_component(k).collect())
@@ -74,14 +75,11 @@ pub(crate) fn omnibus(base: &Base<'_>, adjusted: &Adjusted) -> Vec<Omnibus> {
 
 /// How much longer a length is for a unit of each translation of what the axis carries, and for one of each rotation about
 /// the origin of the machine, over a metre.
-fn moved(adjusted: &Adjusted, reading: &Reading) -> [f64; 6] {
-    if reading.carrier.is_none() {
+fn moved(Observation { at, beam }: &Observation<'_>) -> [f64; 6] {
+    if at.carrier.is_none() {
         return [0.0; 6];
     }
-    let solution = &adjusted.solution;
-    let point_mm = solution.points_mm[reading.point];
-    let beam = (point_mm - solution.stations[reading.station].position_mm).normalize();
-    let turned = point_mm.coords.cross(&beam) / 1000.0;
+    let turned = at.point_mm.coords.cross(beam) / 1000.0;
     [beam.x, beam.y, beam.z, turned.x, turned.y, turned.z]
 }
 

@@ -2,12 +2,12 @@
 
 use trueaxis_campaign::{Campaign, Lengths};
 use trueaxis_effects::Level;
-use trueaxis_files::counted;
 use trueaxis_poses::{LengthsAdjustment, uneven_in_words};
 
 use crate::Error;
 use crate::engine::{
-    Competed, Findings, Measured, Suspect, Wanders, add_rival_disturbances, rms, wandered_mm,
+    Competed, Findings, Measured, Suspect, Wanders, add_rival_disturbances, left_out_in_words, rms,
+    wandered_mm,
 };
 use crate::lengths::adjusted::Adjusted;
 use crate::lengths::base::Base;
@@ -103,13 +103,8 @@ fn effects_mm(
 fn notices(base: &Base<'_>) -> Vec<String> {
     let mut notices = Vec::new();
     if !base.left_out.is_empty() {
-        let lines: Vec<String> = base.left_out.iter().map(|l| l.line.to_string()).collect();
-        notices.push(format!(
-            "left out because all others contradict them: {}, {} {}",
-            counted(lines.len(), "length"),
-            if lines.len() == 1 { "line" } else { "lines" },
-            lines.join(", ")
-        ));
+        let lines = base.left_out.iter().map(|left_out| left_out.line);
+        notices.push(left_out_in_words("length", lines));
     }
     let words = |own| uneven_in_words(own, base.campaign, (&base.network, &base.groups));
     notices.extend(base.uneven.iter().map(words));

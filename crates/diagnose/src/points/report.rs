@@ -6,8 +6,8 @@ use trueaxis_effects::{Level, ResolvedEffect, Scene};
 
 use crate::Error;
 use crate::engine::{
-    Findings, Omnibus, Suspect, Wanders, add_rival_disturbances, is_tested, of_catalogue, rms,
-    unexplained, wandered_mm,
+    Findings, Omnibus, Suspect, Wanders, add_rival_disturbances, is_tested, left_out_in_words,
+    of_catalogue, rms, unexplained, wandered_mm,
 };
 use crate::points::base::Base;
 use crate::points::believed::{Believed, suspects};
@@ -20,7 +20,6 @@ use crate::points::omnibus::{families, omnibus};
 use crate::points::places::places;
 use crate::points::screened::{Screened, without};
 use crate::said::Said;
-use trueaxis_files::counted;
 
 /// Fewest degrees of freedom for a judgement.
 const LEAST_DEGREES_OF_FREEDOM: f64 = 8.0;
@@ -141,13 +140,8 @@ fn notices(screened: &Screened<'_>) -> Vec<String> {
     let mut notices = Vec::new();
     if !gross.is_empty() {
         let points = gross.iter().flat_map(Gross::rejected);
-        let lines: Vec<String> = points.map(|point| point.row.to_string()).collect();
-        notices.push(format!(
-            "points.csv: left out because all others contradict them: {}, {} {}",
-            counted(lines.len(), "point"),
-            if lines.len() == 1 { "line" } else { "lines" },
-            lines.join(", ")
-        ));
+        let words = left_out_in_words("point", points.map(|point| point.row));
+        notices.push(format!("points.csv: {words}"));
     }
     if screened.are_many {
         notices.push(

@@ -3,7 +3,8 @@
 use trueaxis_effects::{CROSS_COUPLING, Layer, Level, POSITION_DEPENDENT_BACKLASH, Shape};
 use trueaxis_selection::{ALIKE, Fit, Hypothesis, Projection};
 
-use crate::engine::disturbance::{Disturbance, Form, Wanderer, Who, With};
+use crate::engine::disturbance::{Disturbance, Wanderer, Who, With};
+use crate::engine::form::Form;
 use crate::engine::linear::{Candidate, Chosen};
 use crate::engine::{
     JudgedDisturbance, SMOOTH_LEVEL, Smooth, Wandering, instead_of_cause, sought, without,
